@@ -18,7 +18,7 @@ namespace NetMQExample.Terminal
             var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5558");
             int count = arguments.Whole("count", 500), every = arguments.Whole("every", 50);
             var timeout = arguments.Seconds("timeout", 1);
-            var tries = arguments.Whole("tries", 20);
+            var tries = arguments.Whole("tries", 5);
             var cameras = arguments.Text("cameras", "center");
             var start = arguments.Whole("start", 0);
             bool lockstep = arguments.Flag("lockstep"), keys = arguments.Flag("drive");

@@ -20,7 +20,7 @@ namespace NetMQExample.Terminal
             var cancelAt = arguments.Whole("cancel-at", 0);
             var leaveAt = arguments.Whole("leave-at", 0);
             var timeout = arguments.Seconds("timeout", 1);
-            var tries = arguments.Whole("tries", 10);
+            var tries = arguments.Whole("tries", 5);
             arguments.RefuseTheRest();
 
             var bar = new ProgressBar();

@@ -16,7 +16,7 @@ namespace NetMQExample.Terminal
             var count = arguments.Whole("count", 200);
             var leaveAfter = arguments.Whole("leave-after", 0);
             var timeout = arguments.Seconds("timeout", 1);
-            var tries = arguments.Whole("tries", 10);
+            var tries = arguments.Whole("tries", 5);
             arguments.RefuseTheRest();
 
             var speech = new Speech();

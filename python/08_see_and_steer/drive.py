@@ -26,7 +26,7 @@ def drive_options(endpoint: str) -> argparse.Namespace:
     parser = client_options("Drives a car by what Python sees.", endpoint, timeout=1, beacon=True)
     parser.add_argument("--count", type=whole, default=500, help="end after so many actions")
     parser.add_argument("--every", type=whole, default=50, help="print one action in so many; 0: none")
-    parser.add_argument("--tries", type=at_least_one, default=20, help="pictures in a row that may stay without action")
+    parser.add_argument("--tries", type=at_least_one, default=5, help="pictures in a row that may stay without action")
     parser.add_argument("--cameras", choices=CAMERAS, default="center", metavar="NAMES", help=" or ".join(CAMERAS))
     parser.add_argument("--start", type=whole, default=0, help="the point of the road to begin at")
     parser.add_argument("--lockstep", action="store_true", help="the world waits for each action")

@@ -45,7 +45,7 @@ def main() -> None:
     parser.add_argument("--cancel-at", type=whole, default=0, metavar="N", help="cancel the job when N is done")
     parser.add_argument("--leave-at", type=whole, default=0, metavar="N", help="leave the job alone when N is done")
     parser.add_argument("--forget", action="store_true", help="have the server forget the job after its end")
-    parser.add_argument("--tries", type=at_least_one, default=10, help="how often to connect anew before giving up")
+    parser.add_argument("--tries", type=at_least_one, default=5, help="how often to connect anew before giving up")
     options = parser.parse_args()
     limits = options.timeout, options.tries, show
     with zmq.Context() as context, JobClient(context, options.endpoint, options.resume, *limits) as client:

@@ -24,7 +24,7 @@ def main() -> None:
     parser.add_argument("--prompt", type=lambda text: option(a_prompt, text, str), default=prompt, help="what you say")
     parser.add_argument("--count", type=at_least_one, default=200, help="how many words to listen to at most")
     parser.add_argument("--leave-after", type=whole, default=0, metavar="N", help="walk away when N words were said")
-    parser.add_argument("--tries", type=at_least_one, default=10, help="how often to connect anew before giving up")
+    parser.add_argument("--tries", type=at_least_one, default=5, help="how often to connect anew before giving up")
     options = parser.parse_args()
     with (
         Speech() as speech,

@@ -18,7 +18,7 @@ from netmq_example import check
 from netmq_example.beacon import BeaconSearch
 from netmq_example.errors import GaveUp, tried
 from netmq_example.one_process import OneProcess
-from netmq_example.program import Context, Socket, encoded, limit, printable
+from netmq_example.program import Context, Socket, encoded, limit, longer, printable
 
 # The longest wait in one piece, in milliseconds: between two of them stop() is noticed and, on Windows, Ctrl-C.
 SLICE_MS = 50
@@ -65,8 +65,7 @@ class LazyPirate(OneProcess):
             raise GaveUp(str(error)) from None
         attempt = 1
         while not self.stopped.is_set():
-            # A new connection takes several round trips. On a slow line only a longer wait ever succeeds.
-            timeout = self.timeout * 2 ** min(attempt - 1, 3)
+            timeout = longer(self.timeout, attempt - 1)
             frames = self.exchange(request, timeout)
             if is_reply(frames, request):
                 return frames[1].decode(errors="replace")

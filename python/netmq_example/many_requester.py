@@ -18,7 +18,7 @@ import zmq
 from netmq_example import check
 from netmq_example.errors import tried
 from netmq_example.one_process import OneProcess
-from netmq_example.program import LARGEST_BYTES, Context, limit
+from netmq_example.program import LARGEST_BYTES, Context, limit, longer
 
 # The deadlines are checked this often. Shorter would cost more. Longer, and Ctrl-C would have to wait on Windows.
 SLICE_SECONDS = 0.05
@@ -155,9 +155,8 @@ class ManyRequester(OneProcess):
                 why = f"no reply in {tried(self.tries)} of up to {within}; is the server running, or slow?"
                 yield entry.number, "", why
                 continue
+            entry.timeout = longer(self.timeout, entry.attempt)
             entry.attempt += 1
-            # A new connection takes several round trips. On a slow line only a longer wait ever succeeds.
-            entry.timeout = min(2 * entry.timeout, 8 * self.timeout)
             self.report(f"{entry.number}: no reply within {within}; try {entry.attempt} of {self.tries}")
             self.send(request_id, entry)
 

@@ -150,6 +150,14 @@ def limit(socket: Socket, largest: int = LARGEST_BYTES) -> None:
         socket.rcvhwm = max(2, WAITING_BYTES // largest)
 
 
+def longer(first: float, tries: int) -> float:
+    """How long to wait after so many tries in vain: each time twice as long, up to 8 times the first.
+
+    A new connection takes several round trips. On a slow line only a longer wait ever succeeds.
+    """
+    return first * 2.0 ** min(tries, 3)
+
+
 def few_answers_wait(context: Context, socket: Socket) -> None:
     """To `prepare` a server with large answers. More are dropped: a client that reads none fills no memory."""
     socket.sndhwm = 10

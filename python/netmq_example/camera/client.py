@@ -25,7 +25,7 @@ from netmq_example.beacon import BeaconSearch
 from netmq_example.errors import GaveUp
 from netmq_example.messages import EXACT, LIMIT, Message, MessageError, read_reply
 from netmq_example.one_process import OneProcess
-from netmq_example.program import SLICE_MS, limit, printable
+from netmq_example.program import SLICE_MS, limit, longer, printable
 
 
 @dataclass
@@ -62,14 +62,17 @@ def read_action(reply: Message, frame: int) -> Action:
 
 
 class DriverClient(OneProcess):
-    """Waits at most `timeout` seconds for each action. `log` gets a line about each picture that has none."""
+    """Waits `timeout` seconds for an action, and after each that did not come twice as long, up to 8 times.
+
+    `log` gets a line about each picture that has none.
+    """
 
     def __init__(
         self,
         context: zmq.Context[zmq.Socket[bytes]],
         endpoint: str,
         timeout: float = 1.0,
-        tries: int = 20,
+        tries: int = 5,
         log: Callable[[str], object] = print,
     ) -> None:
         self.context = check.instance("context", context, zmq.Context)
@@ -85,6 +88,11 @@ class DriverClient(OneProcess):
         self.socket: zmq.Socket[bytes] | None = None
         self.began = 0.0
         self.lost = 0
+
+    @property
+    def patience(self) -> float:
+        """How many seconds the action may take that is asked for now."""
+        return longer(self.timeout, self.lost)
 
     def send(self, frame: Message) -> None:
         """Ask about a picture."""
@@ -114,7 +122,7 @@ class DriverClient(OneProcess):
             socket.send_multipart(self.unsent)
         except zmq.Again:
             # Nothing will come, and `receive` says so.
-            self.began -= self.timeout
+            self.began -= self.patience
         self.unsent = []
 
     def receive(self, until: float = math.inf) -> Action | None:
@@ -126,13 +134,13 @@ class DriverClient(OneProcess):
             raise ValueError(f"until takes a time of time.monotonic(), not {until!r:.40}")
         if not self.asked or not self.socket:
             raise ValueError("no picture is asked about; send one first")
-        last = self.began + self.timeout
+        last = self.began + self.patience
         try:
             frames = self.wait(self.socket, min(until, last))
             if not frames and time.monotonic() < last:
                 return None
             if not frames:
-                within = f"within {self.timeout:g} s"
+                within = f"within {self.patience:g} s"
                 cure = self.search.cure("is the server running?")
                 raise TimeoutError(f"no reply from {self.endpoint} {within}; {cure}")
             action = read_action(read_reply(frames), self.asked.id)

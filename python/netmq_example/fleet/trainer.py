@@ -19,11 +19,12 @@ from netmq_example import check
 from netmq_example.finalizers import finalizer
 from netmq_example.messages import LIMIT, Message, read, take
 from netmq_example.one_process import OneProcess
-from netmq_example.program import limit
+from netmq_example.program import limit, longer
 from netmq_example.records import is_record
 
 PEER = b"hub"
-# The environment asks again each second. If it is silent for longer, it waits for a simulator, and tells the hub.
+# The environment asks again each second. If it is silent for longer, it waits for a simulator, and tells the hub. So
+# long waits the first of several tries, too.
 SILENCE_SECONDS = 2.0
 
 
@@ -44,15 +45,22 @@ class FleetSocket(OneProcess):
         # When something was sent, and whether it still waits for simulators.
         self.sent = 0.0
         self.waits = True
+        # Whether `join` is to be sent, and how many sockets in a row had no answer.
+        self.joins = False
+        self.tries = 0
         self.missing = 0
         # The environment gives up with these words about the hub.
         self.told = "is the hub running?"
 
     def recv_multipart(self) -> list[bytes]:
         self.check_process()
-        if time.monotonic() > self.sent + SILENCE_SECONDS:
+        if time.monotonic() > self.sent + longer(SILENCE_SECONDS, max(0, self.tries - 1)):
             self.open()
+        if self.joins:
+            self.socket.send_multipart(self.join.frames())
+            self.joins = False
         frames = self.socket.recv_multipart()
+        self.tries = 0
         if is_record(frames):
             self.report_lost(0)
         else:
@@ -119,7 +127,8 @@ class FleetSocket(OneProcess):
             self.prepare(self.socket)
         self.socket.connect(self.endpoint)
         self.sent = time.monotonic()
-        self.socket.send_multipart(self.join.frames())
+        self.tries += 1
+        self.joins = True
 
     def new_socket(self) -> None:
         self.socket = self.context.socket(zmq.DEALER)

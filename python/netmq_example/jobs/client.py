@@ -24,7 +24,7 @@ from netmq_example import check
 from netmq_example.errors import GaveUp, tried
 from netmq_example.messages import LIMIT, Message, MessageError, read, take
 from netmq_example.one_process import OneProcess
-from netmq_example.program import limit
+from netmq_example.program import limit, longer
 
 STATUSES = ("succeeded", "canceled", "aborted")
 # The values of a message about a job, besides the job.
@@ -64,8 +64,8 @@ def check_news(news: Message) -> None:
 class JobClient(OneProcess):
     """One job, over one DEALER socket at a time. Use it on one thread.
 
-    Without the id of a job it makes a new one. It gives up after so many `tries` of `timeout` seconds; `report` gets a
-    line for each new one.
+    Without the id of a job it makes a new one. The first try waits `timeout` seconds for news, and each one after it
+    twice as long, up to 8 times. It gives up after so many `tries`; `report` gets a line for each new one.
     """
 
     def __init__(
@@ -74,7 +74,7 @@ class JobClient(OneProcess):
         endpoint: str,
         job: str | None = None,
         timeout: float = 1,
-        tries: int = 10,
+        tries: int = 5,
         report: Callable[[str], object] = print,
     ) -> None:
         self.context = check.instance("context", context, zmq.Context)
@@ -132,13 +132,14 @@ class JobClient(OneProcess):
                     return
                 # How long the caller takes for it is no silence of the server's.
                 heard_at = time.monotonic()
-            if time.monotonic() < heard_at + self.timeout:
+            timeout = longer(self.timeout, silent_tries)
+            if time.monotonic() < heard_at + timeout:
                 continue
             silent_tries += 1
             if silent_tries == self.tries:
-                why = f"no word of it from {self.endpoint} in {tried(self.tries)} of {self.timeout:g} s"
+                why = f"no word of it from {self.endpoint} in {tried(self.tries)} of up to {timeout:g} s"
                 raise TimeoutError(f"{why}; is the server running? Its id is {self.job}")
-            self.report(f"no word within {self.timeout:g} s; try {silent_tries + 1} of {self.tries}")
+            self.report(f"no word within {timeout:g} s; try {silent_tries + 1} of {self.tries}")
             # A new socket helps, whatever was wrong with this one.
             self.close()
             self.socket = self.connect()

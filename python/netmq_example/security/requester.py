@@ -20,7 +20,7 @@ import zmq
 from netmq_example import check
 from netmq_example.errors import tried
 from netmq_example.one_process import OneProcess
-from netmq_example.program import Context, Socket, encoded, limit, option
+from netmq_example.program import Context, Socket, encoded, limit, longer, option
 from netmq_example.security.keys import checked, checked_path, load, make
 
 # Seconds between two tries, where the first was over at once.
@@ -53,7 +53,7 @@ def client_keys(text: str) -> ClientKeys:
 
 
 class SecureRequester(OneProcess):
-    """Asks a server that knows its clients, at most `tries` times, each for `timeout` seconds."""
+    """Asks a server that knows its clients, at most `tries` times: first for `timeout` seconds, then for longer."""
 
     def __init__(
         self,
@@ -81,7 +81,7 @@ class SecureRequester(OneProcess):
         self.number += 1
         request = encoded(text)
         for attempt in range(1, self.tries + 1):
-            reply, trouble = self._try(request)
+            reply, trouble = self._try(request, longer(self.timeout, attempt - 1))
             if reply is not None:
                 return reply
             # A REQ socket that waits for a reply refuses to send, and one that was refused is dead.
@@ -98,11 +98,11 @@ class SecureRequester(OneProcess):
             self.socket.close()
         self.socket = None
 
-    def _try(self, request: bytes) -> tuple[str | None, str]:
+    def _try(self, request: bytes, timeout: float) -> tuple[str | None, str]:
         """One try: the reply, or what came in its place."""
         if not self.socket:
             self.socket = self._open()
-        end = time.monotonic() + self.timeout
+        end = time.monotonic() + timeout
         try:
             self.socket.send(request, zmq.NOBLOCK)
         except zmq.Again:
@@ -116,7 +116,7 @@ class SecureRequester(OneProcess):
                 # Most often it is refused again; and if the server was started anew, it is there a moment later.
                 time.sleep(PAUSE_SECONDS)
                 return None, THROWN_OUT
-        return None, f"no reply within {self.timeout:g} s"
+        return None, f"no reply within {timeout:g} s"
 
     def _open(self) -> Socket:
         socket = self.context.socket(zmq.REQ)

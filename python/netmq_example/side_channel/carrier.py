@@ -23,7 +23,7 @@ import zmq
 from netmq_example import check
 from netmq_example.exception import UnitySideChannelException
 from netmq_example.one_process import OneProcess
-from netmq_example.program import limit
+from netmq_example.program import limit, longer
 from netmq_example.side_channel.side_channel import LARGEST_EXCHANGE_BYTES
 from netmq_example.side_channel.side_channel_manager import SideChannelManager
 
@@ -40,6 +40,8 @@ MOST_PEERS = 64
 ALIVE_SECONDS = 3.0
 # A client sends "I am here" this often, and the server answers.
 ALIVE_INTERVAL_SECONDS = 1.0
+# Its first try to connect: the second, of twice as long, is over before five seconds are.
+TRY_SECONDS = 1.5
 
 
 class Peer:
@@ -174,6 +176,7 @@ class ClientCarrier(OneProcess):
         self.away = False
         self.unsent = deque[bytes]()
         self.heard_at = time.monotonic()
+        self.tries = 0
         self.open()
 
     def open(self) -> None:
@@ -222,8 +225,10 @@ class ClientCarrier(OneProcess):
         self.check_process()
         now = time.monotonic()
         try:
-            if now - self.greeted_at >= ALIVE_INTERVAL_SECONDS:
+            silence = ALIVE_INTERVAL_SECONDS if self.answered else longer(TRY_SECONDS, self.tries)
+            if now - self.greeted_at >= silence:
                 if self.greeted_at and not self.answered:
+                    self.tries += 1
                     self.close()
                     self.open()
                 self.socket.send(b"")

@@ -21,6 +21,8 @@ import zmq
 from netmq_example import check, records
 from netmq_example.beacon import BeaconSearch
 from netmq_example.messages import LIMIT, Message, MessageError
+from netmq_example.one_connection import NO_CONNECTION, TRY_SECONDS, connect_once
+from netmq_example.program import SLICE_MS, longer
 from netmq_example.records import RESET, STEP, Record
 from netmq_example.simulation.answers import answer_to, hello_of, options_in, picture_of, unknown
 from netmq_example.simulation.launched import watch_launcher
@@ -30,14 +32,9 @@ from netmq_example.spaces import described
 from netmq_example.split_mix import draws
 
 ENDPOINT = "tcp://127.0.0.1:5559"
-# For a connection, and then for the answer to hello.
-TRY_SECONDS = 1.0
 # Without a request for so long, it says hello again: a trainer may be silent while it learns. Lesson 17's hub never is,
 # and its welcome says for how long at most.
 IDLE_SECONDS = 3600.0
-# The longest wait in one piece, in milliseconds: on Windows Ctrl-C does not interrupt a longer one.
-SLICE_MS = 200
-NO_CONNECTION = "no connection"
 
 
 class SimulatorBase(ABC):
@@ -164,9 +161,10 @@ class EnvironmentClient:
         self.timeout = check.seconds("timeout", timeout)
         self.report = check.function("report", report)
         self.prepare = None if prepare is None else check.function("prepare", prepare)
-        # When it last was in an environment, and why it is in none since then.
+        # When it last was in an environment, why it is in none since then, and after how many tries in vain.
         self.heard = 0.0
         self.why = NO_CONNECTION
+        self.tries = 0
 
     def run(self, simulator: SimulatorBase, count: int = 0) -> None:
         """Until it is closed, or asked for more than `count` episodes; 0 is no limit.
@@ -178,12 +176,14 @@ class EnvironmentClient:
         watch_launcher()
         self.heard = time.monotonic()
         self.why = NO_CONNECTION
-        while time.monotonic() < self.heard + self.timeout:
+        self.tries = 0
+        while (left := self.heard + self.timeout - time.monotonic()) > 0:
             # Each try has a new socket.
             with zmq.Context() as context, context.socket(zmq.DEALER) as socket:
+                limit = min(longer(TRY_SECONDS, self.tries), left)
                 try:
-                    self.connect(socket)
-                    return self.talk(socket, simulator, count)
+                    self.connect(socket, limit)
+                    return self.talk(socket, simulator, count, limit)
                 except zmq.Again:
                     pass
                 except MessageError as error:
@@ -192,7 +192,9 @@ class EnvironmentClient:
                         self.report(f"trouble: {error}")
                     self.why = str(error)
                     self.pause()
-                except TimeoutError as error:
+                except (TimeoutError, ConnectionRefusedError) as error:
+                    # Where nobody listens yet, a short try is enough.
+                    self.tries = 0 if isinstance(error, ConnectionRefusedError) else self.tries + 1
                     if self.why == NO_CONNECTION:
                         self.why = str(error)
                     self.pause()
@@ -202,34 +204,23 @@ class EnvironmentClient:
         self.search.close()
         raise TimeoutError(f"{waited}; {cure}")
 
-    def connect(self, socket: zmq.Socket[bytes]) -> None:
-        # Nothing can be sent while there is no connection, and this socket makes no second one: it might do so between
-        # two looks, without a hello, and Python and simulator would wait for each other.
-        socket.immediate = True
-        socket.reconnect_ivl = -1
+    def connect(self, socket: zmq.Socket[bytes], limit: float) -> None:
         socket.linger = 0
         socket.maxmsgsize = 4 * LIMIT
-        # A pulled cable closes no connection: a silent peer is asked, and gone when 2.5 s bring no answer. After less,
-        # a computer that learns on all its cores would be taken for gone.
-        socket.heartbeat_ivl = 500
-        socket.heartbeat_timeout = 2500
+        socket.sndtimeo = int(1000 * TRY_SECONDS)
         if self.prepare:
             self.prepare(socket)
-        where = self.search.look(min(TRY_SECONDS, self.timeout))
+        where = self.search.look(min(TRY_SECONDS, limit))
         if not where:
-            raise TimeoutError(NO_CONNECTION)
-        socket.connect(where)
+            # Nobody answers to the name: nothing is known about the line.
+            raise ConnectionRefusedError(NO_CONNECTION)
+        connect_once(socket, where, limit)
 
     def pause(self) -> None:
         """A peer that refuses at once is not asked again at once."""
         time.sleep(min(TRY_SECONDS / 5, self.timeout))
 
-    def talk(self, socket: zmq.Socket[bytes], simulator: SimulatorBase, count: int) -> None:
-        limit = min(TRY_SECONDS, self.timeout)
-        socket.sndtimeo = int(1000 * limit)
-        end = time.monotonic() + limit
-        while not socket.poll(min(SLICE_MS, int(1000 * limit)), zmq.POLLOUT) and time.monotonic() < end:
-            pass
+    def talk(self, socket: zmq.Socket[bytes], simulator: SimulatorBase, count: int, limit: float) -> None:
         socket.send_multipart(simulator.hello().frames(), zmq.NOBLOCK)
         welcome = self.receive(socket, limit)
         if welcome.kind != "welcome":
@@ -251,6 +242,7 @@ class EnvironmentClient:
         finally:
             self.heard = time.monotonic()
             self.why = NO_CONNECTION
+            self.tries = 0
 
     def receive(self, socket: zmq.Socket[bytes], limit: float) -> Any:
         """The next message or record within `limit` seconds; MessageError is the environment's refusal."""

@@ -27,13 +27,12 @@ import zmq
 
 from netmq_example import check
 from netmq_example.messages import LIMIT, Array, Message, MessageError, read, take
-from netmq_example.program import limit
+from netmq_example.one_connection import NO_CONNECTION, TRY_SECONDS, connect_once
+from netmq_example.program import SLICE_MS, limit, longer
 
 # Pictures that were sent and are not acknowledged by Python yet, and pictures at all.
 MOST_SENT = 2
 MOST_PICTURES = 4
-# For a connection, and then for the answer to hello.
-TRY_SECONDS = 1.0
 
 
 @dataclass
@@ -179,26 +178,26 @@ class ViewSender:
         if not 0 < len({view.name for view in views}) == len(views):
             raise ValueError(f"each view needs a name of its own: {', '.join(view.name for view in views) or 'none'}")
         self.heard = time.monotonic()
-        why = "no connection"
+        why = NO_CONNECTION
+        tries = 0
         while not stop.is_set():
-            if time.monotonic() > self.heard + self.timeout:
+            left = self.heard + self.timeout - time.monotonic()
+            if left < 0:
                 waited = f"nobody films at {self.endpoint} within {self.timeout:g} s"
                 raise TimeoutError(f"{waited}; is the server running? ({why})")
             with zmq.Context() as context, context.socket(zmq.DEALER) as socket:
-                # Nothing can be sent while there is no connection, and none comes without a hello: lesson 09 says why,
-                # and why a silent peer is asked.
-                socket.immediate = True
-                socket.reconnect_ivl = -1
-                socket.heartbeat_ivl, socket.heartbeat_timeout = 500, 2500
                 limit(socket, LIMIT)
-                socket.sndtimeo = int(1000 * min(TRY_SECONDS, self.timeout))
-                socket.connect(self.endpoint)
+                socket.sndtimeo = int(1000 * TRY_SECONDS)
+                wait = min(longer(TRY_SECONDS, tries), left)
                 try:
-                    self.talk(socket, views, stop)
+                    connect_once(socket, self.endpoint, wait, stop)
+                    self.talk(socket, views, stop, wait)
                 except zmq.Again:
                     pass
-                except (MessageError, ConnectionError) as error:
+                except (MessageError, ConnectionError, TimeoutError) as error:
                     why = str(error)
+                    # Where nobody listens yet, a short try is enough.
+                    tries = 0 if self.connected or isinstance(error, ConnectionRefusedError) else tries + 1
                     # A peer that refuses at once is not asked again at once.
                     stop.wait(min(TRY_SECONDS / 5, self.timeout))
                 finally:
@@ -206,13 +205,16 @@ class ViewSender:
                     for view in views:
                         view.film = None
 
-    def talk(self, socket: zmq.Socket[bytes], views: list[FilmView], stop: threading.Event) -> None:
+    def talk(self, socket: zmq.Socket[bytes], views: list[FilmView], stop: threading.Event, wait: float) -> None:
         sizes = b"".join(side.to_bytes(4, "little") for view in views for side in (view.width, view.height))
         names = {"views": ",".join(view.name for view in views)}
         socket.send_multipart(Message("hello", 0, names, [Array("int32", (len(views), 2), sizes)]).frames())
-        welcome = self.receive(socket, min(TRY_SECONDS, self.timeout))
-        if not welcome or welcome.kind != "welcome":
-            raise MessageError("no-welcome", "no answer to hello")
+        end = time.monotonic() + wait
+        while not (welcome := self.receive(socket, min(SLICE_MS / 1000, wait))):
+            if time.monotonic() > end or stop.is_set():
+                raise TimeoutError("no answer to hello")
+        if welcome.kind != "welcome":
+            raise MessageError("no-welcome", "hello had another answer")
         shown = ", ".join(f"{view.name} {view.width} x {view.height}" for view in views)
         self.report(f"{self.endpoint} can film {shown}")
         self.connected = True

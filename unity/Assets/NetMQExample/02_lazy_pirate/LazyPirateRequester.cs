@@ -63,8 +63,7 @@ namespace NetMQExample
             var id = $"{++number}-{name}";
             for (var attempt = 1; ; attempt++)
             {
-                // A new connection takes several round trips. On a slow line only a longer wait ever succeeds.
-                var limit = TimeSpan.FromTicks(timeout.Ticks << Math.Min(attempt - 1, 3));
+                var limit = NetMQConnection.Longer(timeout, attempt - 1);
                 if (Try(id, text, limit, stop, out var frames)) return frames[1];
                 var missing = connection.Unanswered ? "nobody answers to this name" : "no reply";
                 var trouble = frames == null

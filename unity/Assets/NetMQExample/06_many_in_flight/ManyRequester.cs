@@ -148,8 +148,7 @@ namespace NetMQExample
             connection.TrySend(TimeSpan.Zero, default, id, text);
         }
 
-        // A new connection takes several round trips. On a slow line only a longer wait ever succeeds.
-        private TimeSpan Timeout(int attempt) => TimeSpan.FromTicks(timeout.Ticks << Math.Min(attempt - 1, 3));
+        private TimeSpan Timeout(int attempt) => NetMQConnection.Longer(timeout, attempt - 1);
 
         /// <summary>The ids of what has waited for too long.</summary>
         private string[] Overdue()

@@ -18,7 +18,7 @@ namespace NetMQExample
         [SerializeField, Min(0), Tooltip("End after so many actions")] private int count = 500;
         [SerializeField, Min(0), Tooltip("Log one action in so many; 0: none")] private int every = 50;
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each action")] private float timeout = 1;
-        [SerializeField, Min(1), Tooltip("Pictures in a row that may stay without an action")] private int tries = 20;
+        [SerializeField, Min(1), Tooltip("Pictures in a row that may stay without an action")] private int tries = 5;
         [SerializeField, Tooltip("center; left,right; or left,center,right")] private string cameras = "center";
         [SerializeField, Tooltip("The world waits for each action")] private bool lockstep;
         [SerializeField, Tooltip("Send JPEG instead of raw bytes")] private bool jpeg;

@@ -18,7 +18,7 @@ namespace NetMQExample
     /// on Unity's main thread: it waits for requests.</summary>
     public sealed class EnvironmentClient : IDisposable
     {
-        // For a connection, and then for the answer to hello.
+        // For a connection, and then for the answer to hello: so long waits the first try.
         private static readonly TimeSpan Try = TimeSpan.FromSeconds(1);
 
         private const string Nothing = "no connection";
@@ -32,6 +32,7 @@ namespace NetMQExample
         private Msg received;
         // Why it is in no environment.
         private string why = Nothing;
+        private int tries;
 
         /// <summary>Connects, which succeeds even while no environment is there.</summary>
         /// <param name="endpoint">The environment, such as <c>tcp://127.0.0.1:5559</c>.</param>
@@ -46,12 +47,10 @@ namespace NetMQExample
             received.InitEmpty();
             connection = new NetMQConnection(endpoint, () => new DealerSocket
             {
-                // Nothing can be sent while there is no connection, and this socket makes no second one: it might do so
-                // between two looks, without a hello, and Python and simulator would wait for each other.
+                // Nothing can be sent while there is no connection.
                 // A pulled cable tells nobody: a silent peer is asked after a second, and gone when two more bring no
                 // answer.
-                Options = { DelayAttachOnConnect = true, ReconnectInterval = Timeout.InfiniteTimeSpan,
-                    HeartbeatInterval = Try, HeartbeatTimeout = Try + Try },
+                Options = { DelayAttachOnConnect = true, HeartbeatInterval = Try, HeartbeatTimeout = Try + Try },
             }, 4 * Message.LimitBytes);
         }
 
@@ -66,11 +65,13 @@ namespace NetMQExample
             SimulatorBase simulator, int count, Action<Action> perform, CancellationToken stop = default)
         {
             Launcher.Watch();
-            for (silence.Restart(); silence.Elapsed < timeout; connection.Close())
+            TimeSpan left;
+            for (silence.Restart(); (left = timeout - silence.Elapsed) > TimeSpan.Zero; connection.Close())
             {
+                var limit = NetMQConnection.Longer(Try, tries++);
                 try
                 {
-                    Talk(simulator, count, perform, stop);
+                    Talk(simulator, count, perform, limit < left ? limit : left, stop);
                     return;
                 }
                 catch (Exception e) when (e is TimeoutException || e is MessageException)
@@ -95,13 +96,16 @@ namespace NetMQExample
             connection.Dispose();
         }
 
-        private void Talk(SimulatorBase simulator, int count, Action<Action> perform, CancellationToken stop)
+        private void Talk(
+            SimulatorBase simulator, int count, Action<Action> perform, TimeSpan limit, CancellationToken stop)
         {
-            var limit = timeout < Try ? timeout : Try;
             perform(() => simulator.Hello());
             // Not the simulator's own: in Unity it is asked on the main thread alone.
             var name = simulator.Words.Values["name"];
             Send(simulator.Words, limit, stop);
+            // From now on it makes no second connection: it might do so between two looks, without a hello, and Python and
+            // simulator would wait for each other.
+            connection.Socket.Options.ReconnectInterval = Timeout.InfiniteTimeSpan;
             var request = Receive(limit, stop);
             if (request?.Kind != "welcome") throw new MessageException("no-welcome", "hello had another answer");
             report($"simulating {name} for {endpoint}");
@@ -134,6 +138,7 @@ namespace NetMQExample
             {
                 silence.Restart();
                 why = Nothing;
+                tries = 0;
             }
         }
 

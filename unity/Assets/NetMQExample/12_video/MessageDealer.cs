@@ -14,7 +14,7 @@ namespace NetMQExample
     public sealed class MessageDealer : IDisposable
     {
         private readonly NetMQConnection connection;
-        private readonly TimeSpan timeout;
+        private TimeSpan timeout;
 
         /// <summary>Connects, which succeeds even while nobody is there.</summary>
         /// <param name="endpoint">Such as <c>tcp://127.0.0.1:5562</c>.</param>
@@ -25,12 +25,14 @@ namespace NetMQExample
             this.timeout = Require.Seconds("timeout", timeout);
             connection = new NetMQConnection(endpoint, () => new DealerSocket
             {
-                // Nothing can be sent while there is no connection, and none comes without a hello: lesson 09 says why,
-                // and why a silent peer is asked.
-                Options = { DelayAttachOnConnect = true, ReconnectInterval = Timeout.InfiniteTimeSpan,
+                // Nothing can be sent while there is no connection. Lesson 09 says why a silent peer is asked.
+                Options = { DelayAttachOnConnect = true,
                     HeartbeatInterval = TimeSpan.FromSeconds(1), HeartbeatTimeout = TimeSpan.FromSeconds(2) },
             }, 4 * Message.LimitBytes);
         }
+
+        /// <summary>How long to wait until a message is sent.</summary>
+        public TimeSpan Timeout { get => timeout; set => timeout = Require.Seconds("timeout", value); }
 
         /// <summary>Sends a message. Its arrays are lent: leave them alone until the other side says that it has
         /// them.</summary>
@@ -88,7 +90,12 @@ namespace NetMQExample
             var msg = new Msg();
             msg.InitGC(bytes, 0, bytes.Length);
             foreach (var slice in NetMQConnection.Slices(timeout, stop))
-                if (connection.Socket.TrySend(ref msg, slice, more)) return;
+            {
+                if (!connection.Socket.TrySend(ref msg, slice, more)) continue;
+                // No second connection comes without a hello: lesson 09 says why.
+                connection.Socket.Options.ReconnectInterval = System.Threading.Timeout.InfiniteTimeSpan;
+                return;
+            }
             throw new TimeoutException("no connection");
         }
     }

@@ -18,14 +18,14 @@ namespace NetMQExample
     /// wants.</summary>
     public sealed class ViewSender : IDisposable
     {
-        // For a connection, and then for the answer to hello.
+        // For a connection, and then for the answer to hello: so long waits the first try.
         private static readonly TimeSpan Try = TimeSpan.FromSeconds(1);
         private static readonly string[] Requests = { "begin", "look", "took", "end" };
 
         private readonly Stopwatch silence = new Stopwatch();
         private readonly MessageDealer dealer;
         private readonly string endpoint;
-        private readonly TimeSpan timeout, limit;
+        private readonly TimeSpan timeout;
         private readonly Action<string> report;
         private volatile bool connected;
         private bool closed;
@@ -40,8 +40,7 @@ namespace NetMQExample
             this.endpoint = endpoint;
             this.timeout = Require.Seconds("timeout", timeout);
             this.report = Require.Given("report", report);
-            limit = timeout < Try ? timeout : Try;
-            dealer = new MessageDealer(endpoint, limit);
+            dealer = new MessageDealer(endpoint, timeout);
         }
 
         /// <summary>Whether Python is there. For any thread.</summary>
@@ -56,8 +55,13 @@ namespace NetMQExample
             if (views.Count == 0 || names.Distinct().Count() < views.Count)
                 throw new ArgumentException($"each view needs a name of its own: {string.Join(", ", names)}");
             var why = "";
-            for (silence.Restart(); silence.Elapsed < timeout && !stop.IsCancellationRequested; dealer.Close())
+            var tries = 0;
+            TimeSpan left;
+            for (silence.Restart();
+                (left = timeout - silence.Elapsed) > TimeSpan.Zero && !stop.IsCancellationRequested; dealer.Close())
             {
+                var limit = NetMQConnection.Longer(Try, tries++);
+                dealer.Timeout = limit < left ? limit : left;
                 try { Talk(views, stop); }
                 catch (OperationCanceledException)
                 {
@@ -68,10 +72,11 @@ namespace NetMQExample
                 {
                     why = e.Message;
                     // It does not ask again at once after a refusal.
-                    stop.WaitHandle.WaitOne(limit / 5);
+                    stop.WaitHandle.WaitOne(timeout < Try ? timeout : Try / 5);
                 }
                 finally
                 {
+                    if (connected) tries = 0;
                     connected = false;
                     foreach (var view in views) view.Stop();
                 }
@@ -91,7 +96,7 @@ namespace NetMQExample
             var sizes = views.SelectMany(view => new[] { view.Width, view.Height }).ToArray();
             hello.Arrays.Add(new MessageArray("int32", MemoryMarshal.AsBytes<int>(sizes).ToArray(), views.Count, 2));
             dealer.Send(hello, stop);
-            if (dealer.Receive(limit, stop)?.Kind != "welcome")
+            if (dealer.Receive(dealer.Timeout, stop)?.Kind != "welcome")
                 throw new MessageException("no-welcome", "no answer to hello");
             report($"{endpoint} can film " + string.Join(", ", views.Select(v => $"{v.Name} {v.Width} x {v.Height}")));
             connected = true;

@@ -19,6 +19,9 @@ namespace NetMQExample.SideChannels
         // After so long a silence an empty exchange says "I am here".
         private static readonly TimeSpan Silence = TimeSpan.FromSeconds(1);
 
+        // For the first try to connect: the second, of twice as long, is over before five seconds are.
+        private static readonly TimeSpan Try = TimeSpan.FromSeconds(1.5);
+
         // A part of an exchange, in bytes: it ends with the message that makes it so large. So much is handed out at
         // once, in Unity in one frame.
         private const int PartBytes = 65536;
@@ -30,6 +33,7 @@ namespace NetMQExample.SideChannels
         private readonly TimeSpan timeout;
         private readonly Action<string> report;
         private bool answered, away;
+        private int tries;
         private List<byte[]> frames;
 
         /// <summary>Connects, which succeeds even while no server is there.</summary>
@@ -60,7 +64,8 @@ namespace NetMQExample.SideChannels
         public List<byte[]> Exchange(byte[] data, TimeSpan wait, CancellationToken stop = default)
         {
             if (data.Length > 0) unsent.Enqueue(data);
-            if (!said.IsRunning || said.Elapsed >= Silence) SayHello();
+            if (!said.IsRunning || said.Elapsed >= (answered ? Silence : NetMQConnection.Longer(Try, tries)))
+                SayHello();
             // Before its first answer a socket may be replaced, and what was sent on it is lost.
             while (answered && unsent.Count > 0 && connection.Socket.TrySendFrame(TimeSpan.Zero, unsent.Peek()))
             {
@@ -91,7 +96,11 @@ namespace NetMQExample.SideChannels
         private void SayHello()
         {
             // A connection that was refused may never be tried again. So each try has a new socket.
-            if (said.IsRunning && !answered) connection.Close();
+            if (said.IsRunning && !answered)
+            {
+                tries++;
+                connection.Close();
+            }
             // A server that is there has answered the hello before.
             if (answered && heard.Elapsed >= 2 * Silence) connection.Follow();
             connection.Socket.TrySendFrameEmpty(TimeSpan.Zero);

@@ -1,6 +1,6 @@
 // Lesson 14, the job's client: starts a job or comes back to it, watches and cancels it.
 //
-//     using var client = new JobClient(endpoint, JobClient.NewId(), TimeSpan.FromSeconds(1), tries: 10, report);
+//     using var client = new JobClient(endpoint, JobClient.NewId(), TimeSpan.FromSeconds(1), tries: 5, report);
 //     foreach (var news in client.Watch(client.Goal("picture", 100), stop))        or: client.Ask("status")
 //         report(news.Line);                                       client.Cancel() in between, on any thread
 //
@@ -36,7 +36,8 @@ namespace NetMQExample
         /// <summary>Connects, which succeeds even while no server is there: ZeroMQ goes on trying.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5564</c>.</param>
         /// <param name="job">The job's id: a new one, or that of a job to come back to.</param>
-        /// <param name="timeout">How long to wait for a word of the job before connecting anew.</param>
+        /// <param name="timeout">How long to wait for a word of the job before connecting anew. Each try waits twice as
+        /// long as the one before, up to 8 times.</param>
         /// <param name="tries">How often that may happen in a row before giving up.</param>
         /// <param name="report">Called, on the thread that watches, with a line to log about each trouble.</param>
         /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
@@ -116,12 +117,13 @@ namespace NetMQExample
                     seq = news.Seq;
                     if (end) yield break;
                 }
-                if (since.Elapsed < timeout) continue;
-                var limit = FormattableString.Invariant($"{timeout.TotalSeconds} s");
+                var patience = NetMQConnection.Longer(timeout, silent);
+                if (since.Elapsed < patience) continue;
+                var limit = FormattableString.Invariant($"{patience.TotalSeconds} s");
                 silent++;
                 if (silent == tries)
                     throw new TimeoutException($"no word of it from {endpoint} in {NetMQConnection.Tries(tries)} of "
-                        + $"{limit}; is the server running? Its id is {Job}");
+                        + $"up to {limit}; is the server running? Its id is {Job}");
                 report($"no word within {limit}; try {silent + 1} of {tries}");
                 // A new socket helps, whatever was wrong with this one.
                 connection.Close();

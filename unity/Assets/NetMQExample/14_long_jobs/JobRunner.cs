@@ -22,7 +22,7 @@ namespace NetMQExample
         [SerializeField, Min(0), Tooltip("Leave the job alone when so much is done; 0: never")] private int leaveAt = 0;
         [SerializeField, Tooltip("Have the server forget the job after its end")] private bool forget = false;
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait for a word of the job")] private float timeout = 1;
-        [SerializeField, Min(1), Tooltip("How often to connect anew")] private int tries = 10;
+        [SerializeField, Min(1), Tooltip("How often to connect anew")] private int tries = 5;
         [SerializeField, Tooltip("With how much is done, from 0 to 1")] private Arrival<float> advanced = new();
         [SerializeField, Tooltip("With the result")] private Arrival<JobNews> ended = new();
 

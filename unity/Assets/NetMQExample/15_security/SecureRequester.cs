@@ -40,7 +40,8 @@ namespace NetMQExample
         /// <summary>Connects, which succeeds even while no server is there, or one that refuses.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5565</c>.</param>
         /// <param name="keys">Who this is, and which server; null speaks plain, which such a server refuses.</param>
-        /// <param name="timeout">How long to wait for the reply to each try.</param>
+        /// <param name="timeout">How long to wait for the reply to the first try. Each one waits twice as long as the one
+        /// before, up to 8 times.</param>
         /// <param name="tries">How often to send a request before giving up.</param>
         /// <param name="report">Called, on the thread of the request, with a line to log before each retry.</param>
         /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
@@ -69,7 +70,7 @@ namespace NetMQExample
             number++;
             for (var attempt = 1; ; attempt++)
             {
-                if (Try(text, stop, out var reply, out var trouble)) return reply;
+                if (Try(text, NetMQConnection.Longer(timeout, attempt - 1), stop, out var reply, out var trouble)) return reply;
                 // A REQ socket that waits for a reply refuses to send, and one that was refused is dead.
                 Close();
                 if (attempt == tries)
@@ -86,12 +87,12 @@ namespace NetMQExample
             connection.Dispose();
         }
 
-        private bool Try(string text, CancellationToken stop, out string reply, out string trouble)
+        private bool Try(string text, TimeSpan limit, CancellationToken stop, out string reply, out string trouble)
         {
             reply = "";
             trouble = ThrownOut;
             var sent = false;
-            foreach (var slice in NetMQConnection.Slices(timeout, stop))
+            foreach (var slice in NetMQConnection.Slices(limit, stop))
             {
                 // Without waiting: where this was refused already there is no connection to send on.
                 sent = sent || connection.TrySend(TimeSpan.Zero, stop, text);
@@ -106,7 +107,7 @@ namespace NetMQExample
                 stop.WaitHandle.WaitOne(Pause);
                 return false;
             }
-            trouble = FormattableString.Invariant($"no reply within {timeout.TotalSeconds} s");
+            trouble = FormattableString.Invariant($"no reply within {limit.TotalSeconds} s");
             return false;
         }
 

@@ -20,7 +20,7 @@ namespace NetMQExample
         [SerializeField, Min(0), Tooltip("How near one must be to listen")] private float earshot = 15;
         [SerializeField, Min(0), Tooltip("Walk away when so many words were said; 0: never")] private int leaveAfter;
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait for a word of the job")] private float timeout = 1;
-        [SerializeField, Min(1), Tooltip("How often to connect anew")] private int tries = 10;
+        [SerializeField, Min(1), Tooltip("How often to connect anew")] private int tries = 5;
         [SerializeField, Tooltip("With each sentence")] private Arrival<string> said = new();
 
         private volatile bool near;

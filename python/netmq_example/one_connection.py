@@ -1,0 +1,33 @@
+"""A socket's only connection: whether it is there is known, and no second one takes its place unseen."""
+
+import threading
+import time
+from typing import Any
+
+import zmq
+
+from netmq_example.program import SLICE_MS
+
+# For a connection, and then for the answer to hello: so long waits the first try.
+TRY_SECONDS = 1.0
+NO_CONNECTION = "no connection"
+
+
+def connect_once(socket: zmq.Socket[Any], endpoint: str, wait: float, stop: threading.Event | None = None) -> None:
+    """Wait for it so many seconds. TimeoutError: it did not come; ConnectionRefusedError: nobody listens there."""
+    # Nothing can be sent while there is no connection, and this socket makes no second one: it might do so between two
+    # looks, without a hello, and Python and simulator would wait for each other.
+    socket.immediate = True
+    socket.reconnect_ivl = -1
+    # A pulled cable closes no connection: a silent peer is asked, and gone when 2.5 s bring no answer. After less, a
+    # computer that learns on all its cores would be taken for gone.
+    socket.heartbeat_ivl, socket.heartbeat_timeout = 500, 2500
+    end = time.monotonic() + wait
+    with socket.get_monitor_socket(zmq.EVENT_CLOSED) as refused:
+        try:
+            socket.connect(endpoint)
+            while not socket.poll(min(SLICE_MS, int(1000 * wait)), zmq.POLLOUT):
+                if time.monotonic() > end or (stop and stop.is_set()):
+                    raise (ConnectionRefusedError if refused.poll(0) else TimeoutError)(NO_CONNECTION)
+        finally:
+            socket.disable_monitor()
