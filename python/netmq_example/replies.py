@@ -82,9 +82,13 @@ def json_answer(answer: Callable[[dict[str, Any]], dict[str, Any]]) -> Callable[
     return in_json
 
 
+def refuse_constant(name: str) -> None:
+    raise ValueError(f"{name} is not JSON")
+
+
 def read(text: str) -> Fields:
     try:
-        state = json.loads(shallow(text), object_hook=Fields)
+        state = json.loads(shallow(text), object_hook=Fields, parse_constant=refuse_constant)
     except ValueError as error:
         raise Misfit(f"the request {printable(text, 80)!r} is no JSON: {error}") from None
     if not isinstance(state, Fields):

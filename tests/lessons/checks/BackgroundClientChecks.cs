@@ -363,6 +363,7 @@ namespace NetMQExample.Tests
                 (@"{""sya"":1}", "! the reply {\"sya\":1} does not fit Order: Could not find member 'sya' on object of type 'Order'. Path 'sya', line 1, position 7."),
                 (@"{""times"":""two""}", "! the reply {\"times\":\"two\"} does not fit Order: Could not convert string to integer: two. Path 'times', line 1, position 14."),
                 (@"{""way"":[{""w"":1}]}", "! the reply {\"way\":[{\"w\":1}]} does not fit Order: Could not find member 'w' on object of type 'Vector3'. Path 'way[0].w', line 1, position 13."),
+                (@"{""Speed"":NaN}", "! the reply {\"Speed\":NaN} does not fit Order: NaN is not JSON. Path 'Speed'."),
                 (@"{""day"":""Sunday""}", "nothing 7 0 0 -"),
                 (@"{""day"":3}", "nothing 7 0 3 -"),
                 (@"{""day"":""Someday""}", "! the reply {\"day\":\"Someday\"} does not fit Order: Error converting value \"Someday\" to type 'System.DayOfWeek'. Path 'day', line 1, position 16."),
@@ -386,6 +387,12 @@ namespace NetMQExample.Tests
             Check(client.Ask<Wish, Order>(state, order => sent = order.say, why => sent = why), "refused");
             Until(() => sent != null, client);
             Equal(@"{""reply"":""the state"",""place"":{""x"":1.0,""y"":2.5,""z"":-3.0},""none"":null,""day"":""Friday""}", sent);
+            foreach (var wrong in new object[] { float.NaN, 1 / 0.0, new { x = -1 / 0f }, new[] { double.NaN }, new float?[] { null, float.NaN } })
+            {
+                Throws<Newtonsoft.Json.JsonException>(() => client.Ask<object, Order>(wrong, null, null));
+                var task = client.AskAsync<object, Order>(wrong);
+                Throws<Newtonsoft.Json.JsonException>(() => task.GetAwaiter().GetResult());
+            }
             var tooLong = new Wish { reply = new string('x', 70_000) };
             Throws<ArgumentException>(() => client.Ask<Wish, Order>(tooLong, null, null));
         }

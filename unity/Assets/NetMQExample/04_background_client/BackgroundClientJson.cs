@@ -5,11 +5,13 @@
 // It needs Newtonsoft.Json, in Unity the package com.unity.nuget.newtonsoft-json; without it delete this file.
 using System;
 using System.Collections.Generic;
+using System.Globalization;
 using System.Reflection;
 using System.Threading;
 using System.Threading.Tasks;
 using Newtonsoft.Json;
 using Newtonsoft.Json.Converters;
+using Newtonsoft.Json.Linq;
 using Newtonsoft.Json.Serialization;
 
 namespace NetMQExample
@@ -22,7 +24,7 @@ namespace NetMQExample
         private static readonly JsonSerializerSettings Rules = new JsonSerializerSettings
         {
             ContractResolver = new UnityFields(),
-            Converters = { new StringEnumConverter() },
+            Converters = { new StringEnumConverter(), new FiniteNumbers() },
             MissingMemberHandling = MissingMemberHandling.Error,
             TypeNameHandling = TypeNameHandling.None,
         };
@@ -34,7 +36,8 @@ namespace NetMQExample
         /// <param name="error">Gets the reason why there is no such answer: also a text that begins with
         /// <c>error:</c>, and a reply that does not fit TOrder.</param>
         /// <exception cref="ArgumentException">The state is too long.</exception>
-        /// <exception cref="JsonException">The state cannot be written as JSON.</exception>
+        /// <exception cref="JsonException">The state cannot be written as JSON, which has no NaN and no
+        /// Infinity.</exception>
         /// <returns>False if refused: neither callback will run.</returns>
         public static bool Ask<TState, TOrder>(this BackgroundClient client, TState state, Action<TOrder> reply,
             Action<string> error) where TOrder : new()
@@ -71,6 +74,27 @@ namespace NetMQExample
                 var trouble = lines.Length > 1 ? $"{lines[0].Trim()} {lines[^1]}" : e.Message;
                 var why = $"the reply {LogText.Printable(reply, 80)} does not fit {typeof(TOrder).Name}: {trouble}";
                 throw new GaveUpException(LogText.Printable(why, 400));
+            }
+        }
+
+        // Newtonsoft would write NaN and Infinity as texts, and Python would go on with them.
+        private sealed class FiniteNumbers : JsonConverter
+        {
+            public override bool CanConvert(Type type) =>
+                type == typeof(float) || type == typeof(double) || type == typeof(float?) || type == typeof(double?);
+
+            public override object ReadJson(JsonReader reader, Type type, object old, JsonSerializer serializer) =>
+                Checked(JToken.ReadFrom(reader).ToObject(type), reader.Path);
+
+            public override void WriteJson(JsonWriter writer, object value, JsonSerializer serializer) =>
+                writer.WriteValue(Checked(value, writer.Path));
+
+            private static object Checked(object number, string path)
+            {
+                var value = Convert.ToDouble(number, CultureInfo.InvariantCulture);
+                if (!double.IsNaN(value) && !double.IsInfinity(value)) return number;
+                throw new JsonSerializationException(
+                    FormattableString.Invariant($"{value} is not JSON. Path '{path}'."));
             }
         }
 
