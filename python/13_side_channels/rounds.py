@@ -50,7 +50,9 @@ class Rounds:
         self.limit = limit
         self.log = log
         self.round = 0
-        self.began = time.monotonic()
+        # For how long this round is not seen, and until when that was looked at.
+        self.waited = 0.0
+        self.looked_at = time.monotonic()
         self.string_log = StringLogChannel(log, throws=trouble == "throw")
         self.properties = FloatPropertiesChannel()
         settings = EngineSettings(lambda *setting: log(describe(*setting)))
@@ -76,11 +78,15 @@ class Rounds:
                 self.manager.process_side_channel_message(data)
             except UnitySideChannelException as error:
                 self.manager.report(str(error))
+        now = time.monotonic()
+        # A longer gap than a second was sleep.
+        self.waited += min(now - self.looked_at, 1.0)
+        self.looked_at = now
         if self.seen and self.round < self.count:
             self.round += 1
-            self.began = time.monotonic()
+            self.waited = 0.0
             self.begin_round()
-        elif not self.seen and time.monotonic() > self.began + self.limit:
+        elif not self.seen and self.waited > self.limit:
             raise TimeoutError(f"round {self.round} was not seen within {self.limit:g} s; is that lesson 13's server?")
         elif received and not self.seen:
             # A server that was started again has not heard of this round.

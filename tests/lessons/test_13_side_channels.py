@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import signal
 import subprocess
 import time
 
@@ -93,6 +94,22 @@ def test_a_server_that_was_started_again_is_told_again(kind, serve, start, clien
     assert client.lines.count("From Python : Hello") == 2
     assert [line for line in client.lines if re.match(r"\d+: ", line)][-1].startswith("500: ")
     assert again.stop() == 0
+
+
+@each_terminal
+def test_what_both_sides_slept_is_no_silence(kind, serve, start, client_command):
+    """A laptop's lid was closed; the client is awake first."""
+    server, endpoint = serve(KEY)
+    client = start(*client_command(kind, KEY, endpoint, "--count", "100000", "--timeout", "4"))
+    client.wait_for("^20: ")
+    for each in client, server:
+        each.process.send_signal(signal.SIGSTOP)
+    # Longer than any of the client's timeouts, and this is what is tested.
+    time.sleep(9)
+    for each in client, server:
+        each.process.send_signal(signal.SIGCONT)
+        time.sleep(0.3)
+    client.wait_for("^[0-9]+: ", start=len(client.lines))
 
 
 @each_terminal

@@ -175,7 +175,9 @@ class ClientCarrier(OneProcess):
         self.report = report if report is None else check.function("report", report)
         self.away = False
         self.unsent = deque[bytes]()
-        self.heard_at = time.monotonic()
+        # For how long the server is silent, and until when that was looked at.
+        self.silent = 0.0
+        self.looked_at = time.monotonic()
         self.tries = 0
         self.open()
 
@@ -209,11 +211,15 @@ class ClientCarrier(OneProcess):
             self.unsent.append(exchange)
         self.send()
         received = self.receive(wait)
+        now = time.monotonic()
+        # A longer gap is no silence of the server's: this program slept, perhaps with the server.
+        self.silent += min(now - self.looked_at, wait + ALIVE_INTERVAL_SECONDS)
+        self.looked_at = now
         if received:
-            self.heard_at = time.monotonic()
+            self.silent = 0.0
             self.answered = True
             self.away = False
-        elif time.monotonic() - self.heard_at > self.timeout and not self.away:
+        elif self.silent > self.timeout and not self.away:
             why = f"no word from {self.endpoint} within {self.timeout:g} s; is the server running?"
             if not self.report:
                 raise TimeoutError(why)

@@ -27,13 +27,14 @@ namespace NetMQExample.SideChannels
         private const int PartBytes = 65536;
 
         private readonly Queue<byte[]> unsent = new Queue<byte[]>(), unread = new Queue<byte[]>();
-        private readonly Stopwatch heard = Stopwatch.StartNew(), said = new Stopwatch();
+        private readonly Stopwatch looked = Stopwatch.StartNew(), said = new Stopwatch();
         private readonly NetMQConnection connection;
         private readonly string endpoint;
         private readonly TimeSpan timeout;
         private readonly Action<string> report;
         private bool answered, away;
         private int tries;
+        private TimeSpan silent;
         private List<byte[]> frames;
 
         /// <summary>Connects, which succeeds even while no server is there.</summary>
@@ -73,13 +74,16 @@ namespace NetMQExample.SideChannels
                 unsent.Dequeue();
             }
             var received = Receive(wait, stop);
+            // A longer gap is no silence of the server's: this program slept, perhaps with the server.
+            silent += looked.Elapsed < wait + Silence ? looked.Elapsed : wait + Silence;
+            looked.Restart();
             if (received.Count > 0)
             {
-                heard.Restart();
+                silent = TimeSpan.Zero;
                 answered = true;
                 away = false;
             }
-            else if (heard.Elapsed > timeout && !away)
+            else if (silent > timeout && !away)
             {
                 var why = FormattableString.Invariant(
                     $"no word from {endpoint} within {timeout.TotalSeconds} s; is the server running?");
@@ -102,7 +106,7 @@ namespace NetMQExample.SideChannels
                 connection.Close();
             }
             // A server that is there has answered the hello before.
-            if (answered && heard.Elapsed >= 2 * Silence) connection.Follow();
+            if (answered && silent >= 2 * Silence) connection.Follow();
             connection.Socket.TrySendFrameEmpty(TimeSpan.Zero);
             said.Restart();
         }
