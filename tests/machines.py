@@ -1,5 +1,6 @@
 """Three machines, which are network namespaces here."""
 
+import contextlib
 import subprocess
 import uuid
 
@@ -33,6 +34,24 @@ class Machines:
                 run("ip", "-n", where, "link", "set", device, "up")
                 run("ip", "-n", where, "link", "set", "lo", "up")
         return ""
+
+    @contextlib.contextmanager
+    def second_cable(self, simulators, trainer):
+        """From the simulators', whose way out is the first, to the trainer's, with addresses such as 10.1.2.3/24."""
+        here, there = self.names["simulators"], self.names["trainer"]
+        made = [run("ip", "-n", here, "route", "add", "default", "via", HUB)]
+        made.append(
+            run("ip", "-n", here, "link", "add", "second", "type", "veth", "peer", "name", "second", "netns", there)
+        )
+        for where, address in ((here, simulators), (there, trainer)):
+            made.append(run("ip", "-n", where, "addr", "add", address, "brd", "+", "dev", "second"))
+            made.append(run("ip", "-n", where, "link", "set", "second", "up"))
+        try:
+            assert not any(each.returncode for each in made), made
+            yield
+        finally:
+            run("ip", "-n", here, "link", "del", "second")
+            run("ip", "-n", here, "route", "del", "default")
 
     def remove(self):
         # Its cables go with it.

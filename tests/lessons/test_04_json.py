@@ -69,7 +69,7 @@ ASKED = {
     "{}": "error: the request has no 'guest'; it has nothing",
     "[1]": "error: the request '[1]' is no JSON object: send a class with fields",
     "null": "error: the request 'null' is no JSON object: send a class with fields",
-    '{"guest": "Ada", "place": {"x": NaN}}': "error: the request '{\"guest\": \"Ada\", \"place\": {\"x\": NaN}}' is no JSON: NaN is",
+    '{"guest": NaN}': "error: the request '{\"guest\": NaN}' is no JSON: NaN is not JSON",
     "hello\n": "error: the request 'hello?' is no JSON: Expecting value: line 1 column 1 (char 0)",
     "[" * 60_000: f"error: the request '{'[' * 80}…' is no JSON: it nests more than 64 levels deep",
     '{"guest": "Cy", "result": "list"}': "error: answer returned []: return a dict",

@@ -1,6 +1,7 @@
 """A server is found by its name, on machines that are network namespaces here."""
 
 import random
+import re
 import signal
 import socket
 import threading
@@ -146,13 +147,33 @@ def test_without_broadcasts_each_neighbour_is_asked(kind, server, client):
     client(kind, "04_background_client").wait_for(CASES["04_background_client"][1])
 
 
+# A plain cable, without a router, is a /16. A server with an address of its own hears no broadcast, and it is asked
+# after all neighbours of the first network, which may be more than a system takes at once.
+SECOND_CABLES = [
+    ("169.254.10.1/16", "169.254.77.2/16", "0.0.0.0"),
+    ("192.168.50.7/24", "192.168.50.9/24", "192.168.50.9"),
+]
+
+
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+@pytest.mark.parametrize(("mine", "its", "host"), SECOND_CABLES)
+def test_a_server_behind_a_second_cable_is_found(mine, its, host, kind, server, client, machines):
+    with machines.second_cable(mine, its):
+        server("trainer", "04_background_client", "--beacon", "lab", host=host)
+        client(kind, "04_background_client").wait_for(CASES["04_background_client"][1])
+
+
 @pytest.mark.parametrize("kind", ["python", "csharp"])
 @pytest.mark.parametrize("key", ["03_publish_subscribe", "04_background_client", "08_see_and_steer"])
 def test_a_client_that_finds_none_says_what_to_look_at(kind, key, run):
     tries = ["--tries", "2"] if key[:2] != "03" else []
     ended = run(kind, key, "--endpoint", f"beacon://lab:{free_port()}", "--timeout", "0.3", *tries)
     assert ended.code == 1
-    assert "is a server with --beacon lab in this network, and that no guest network" in ended.lines[-1]
+    assert re.search(
+        r"asked 255\.255\.255\.255(, [0-9.]+)* and [1-9][0-9]* single addresses: "
+        "is a server with --beacon lab in this network, and that no guest network",
+        ended.lines[-1],
+    )
 
 
 def test_a_client_with_two_ports_gives_up_in_one_line(run):

@@ -3,9 +3,9 @@
 //
 //     beacon://lab:5553        in an Endpoint field, for a server with --beacon lab
 //
-// It asks this machine and, by broadcast, its networks; then also each of the 254 addresses around one's own, since iOS
-// sends no broadcast without an entitlement of Apple's. What answers comes to this device alone, so Android needs no
-// multicast lock.
+// It asks this machine and, by broadcast, each of its networks; then also each of the 254 addresses around one's own,
+// since iOS sends no broadcast without an entitlement of Apple's. What answers comes to this device alone, so Android
+// needs no multicast lock.
 using System;
 using System.Collections.Generic;
 using System.Diagnostics;
@@ -23,12 +23,15 @@ namespace NetMQExample
     {
         private const int MostNetworks = 4;
         private static readonly TimeSpan Round = TimeSpan.FromMilliseconds(500);
-        private static readonly string[] Everybody = { "127.0.0.1", "255.255.255.255" };
         private readonly Stopwatch asked = new Stopwatch();
         // More than any answer. A longer datagram is cut off, or refused.
         private readonly byte[] heard = new byte[100];
         private readonly string name, question, answer;
         private readonly int port;
+        // Who is still to be asked, and who was.
+        private readonly HashSet<string> reached = new HashSet<string>();
+        private List<string> unasked = new List<string>();
+        private string[] broadcasts = new string[0];
         private Socket ear;
         private int vain;
 
@@ -51,7 +54,8 @@ namespace NetMQExample
         /// <returns>Such as tcp://192.168.0.7:5553, or null: there is none yet.</returns>
         public string Look()
         {
-            if (ear == null || asked.Elapsed >= Round) Ask();
+            if (ear == null || asked.Elapsed >= Round) BeginQuestion();
+            Ask();
             // So many: strangers may send more than anybody can read.
             for (var most = 100; most > 0 && ear.Poll(0, SelectMode.SelectRead); most--)
             {
@@ -76,7 +80,10 @@ namespace NetMQExample
         public string Cure(string otherwise)
         {
             if (vain == 0) return otherwise;
-            return $"is a server with --beacon {name} in this network, and that no guest network, does its firewall "
+            var networks = broadcasts.Where(reached.Contains).ToList();
+            return $"asked {string.Join(", ", networks.DefaultIfEmpty("no network"))} and "
+                + $"{reached.Count - networks.Count} single addresses: is a server with --beacon {name} in "
+                + "this network, and that no guest network, does its firewall "
                 + $"let in UDP and TCP port {port}, and may this program use the local network?";
         }
 
@@ -86,50 +93,78 @@ namespace NetMQExample
             ear?.Dispose();
             ear = null;
             vain = 0;
+            unasked.Clear();
+            reached.Clear();
         }
 
-        private void Ask()
+        private void BeginQuestion()
         {
             ear ??= new Socket(AddressFamily.InterNetwork, SocketType.Dgram, ProtocolType.Udp);
             ear.EnableBroadcast = true;
             ear.Blocking = false;
-            var bytes = Encoding.ASCII.GetBytes(question);
-            var numbers = vain > 0 ? Enumerable.Range(1, 255) : new[] { 255 };
-            var around = Networks().SelectMany(network => numbers.Select(last => $"{network}.{last}"));
-            foreach (var address in Everybody.Concat(around))
-            {
-                try { ear.SendTo(bytes, new IPEndPoint(IPAddress.Parse(address), port)); }
-                catch (SocketException) { /* Where one of them cannot be asked, others can. */ }
-            }
+            var here = Networks();
+            broadcasts = here.Select(each => Broadcast(each.Key, each.Value)).Prepend("255.255.255.255").Distinct()
+                .ToArray();
+            var around = here.Keys.Select(address => Regex.Replace(address, @"\d+$", "")).Distinct().Take(MostNetworks)
+                .SelectMany(network => Enumerable.Range(1, vain > 0 ? 254 : 0).Select(last => $"{network}{last}"));
+            // Those that the last question did not reach come before the others.
+            unasked = broadcasts.Prepend("127.0.0.1").Concat(unasked).Concat(around).Distinct().ToList();
             vain++;
             asked.Restart();
         }
 
-        // The networks of this machine, such as 192.168.0: a few, of what may be many.
-        private static string[] Networks()
+        private void Ask()
         {
-            var found = new List<string>();
+            var bytes = Encoding.ASCII.GetBytes(question);
+            var done = 0;
+            // Where the system has no room for more, it takes them a moment later.
+            for (; done < unasked.Count && ear.Poll(0, SelectMode.SelectWrite); done++)
+            {
+                try
+                {
+                    ear.SendTo(bytes, new IPEndPoint(IPAddress.Parse(unasked[done]), port));
+                    reached.Add(unasked[done]);
+                }
+                catch (SocketException) { /* Where one of them cannot be asked, others can. */ }
+            }
+            unasked.RemoveRange(0, done);
+        }
+
+        // Of an address's network. Where its mask is not known: a plain cable is a /16, and most others are a /24.
+        private static string Broadcast(string address, IPAddress mask)
+        {
+            if (mask == null || mask.Equals(IPAddress.Any))
+                mask = IPAddress.Parse(Regex.IsMatch(address, @"^169\.254\.") ? "255.255.0.0" : "255.255.255.0");
+            var mine = IPAddress.Parse(address).GetAddressBytes();
+            return $"{new IPAddress(mine.Zip(mask.GetAddressBytes(), (own, kept) => (byte)(own | ~kept)).ToArray())}";
+        }
+
+        // The addresses of this machine, with their masks where the system tells. The way out comes first.
+        private static Dictionary<string, IPAddress> Networks()
+        {
+            var found = new Dictionary<string, IPAddress>();
             using (var probe = new Socket(AddressFamily.InterNetwork, SocketType.Dgram, ProtocolType.Udp))
             {
                 // This sends nothing: it is the system's choice of one's own address that counts.
                 try
                 {
                     probe.Connect("198.51.100.1", 9);
-                    found.Add($"{((IPEndPoint)probe.LocalEndPoint).Address}");
+                    found[$"{((IPEndPoint)probe.LocalEndPoint).Address}"] = null;
                 }
                 catch (SocketException) { /* There is no router: each device has to be asked. */ }
             }
             try
             {
-                found.AddRange(NetworkInterface.GetAllNetworkInterfaces()
+                foreach (var each in NetworkInterface.GetAllNetworkInterfaces()
                     .SelectMany(device => device.GetIPProperties().UnicastAddresses)
-                    .Where(each => each.Address.AddressFamily == AddressFamily.InterNetwork)
-                    .Select(each => $"{each.Address}"));
+                    .Where(each => each.Address.AddressFamily == AddressFamily.InterNetwork
+                        && !IPAddress.IsLoopback(each.Address)))
+                    found[$"{each.Address}"] = each.IPv4Mask;
             }
             // Not every phone lets an app ask.
-            catch (Exception e) when (e is NetworkInformationException || e is NotSupportedException) { }
-            return found.Where(address => !address.StartsWith("127.", StringComparison.Ordinal))
-                .Select(address => Regex.Replace(address, @"\.\d+$", "")).Distinct().Take(MostNetworks).ToArray();
+            catch (Exception e) when (e is NetworkInformationException || e is NotSupportedException
+                || e is NotImplementedException) { }
+            return found;
         }
     }
 }
