@@ -21,7 +21,7 @@ from netmq_example.security.requester import ClientKeys, SecureRequester
 
 def main() -> None:
     parser = client_options(
-        "Says hello to a server that knows its clients by their keys.", "tcp://127.0.0.1:5565", timeout=1.0
+        "Says hello to a server that knows its clients by their keys.", "tcp://127.0.0.1:5565", timeout=1.0, beacon=True
     )
     parser.add_argument("--count", type=whole, default=10, help="how many requests")
     parser.add_argument("--tries", type=at_least_one, default=3, help="how often to send a request before giving up")

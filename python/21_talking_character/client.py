@@ -19,7 +19,7 @@ from netmq_example.talk.speech import Speech, a_prompt, ask
 
 
 def main() -> None:
-    parser = client_options("Talks to a character, and may walk away.", "tcp://127.0.0.1:5571", timeout=1)
+    parser = client_options("Talks to a character, and may walk away.", "tcp://127.0.0.1:5571", timeout=1, beacon=True)
     prompt = "Who built this bridge?"
     parser.add_argument("--prompt", type=lambda text: option(a_prompt, text, str), default=prompt, help="what you say")
     parser.add_argument("--count", type=at_least_one, default=200, help="how many words to listen to at most")

@@ -20,6 +20,7 @@ CASES = {
     "03_publish_subscribe": (["--every", "1", "--count", "100000"], "^received pose/"),
     "04_background_client": (["--count", "100000"], "^[0-9]+: sent hello, received world"),
     "08_see_and_steer": (["--every", "1", "--count", "100000"], "^frame [0-9]+: age"),
+    "14_long_jobs": ([], "^job .*: accepted"),
     "17_many_machines": ([], "^simulating CartPole for "),
     "20_body_tracking": (["--every", "1", "--count", "0"], "^person 0: pose"),
 }
@@ -94,10 +95,11 @@ def script(machines, start):
 
 @pytest.mark.parametrize("kind", ["python", "csharp", "unity"])
 @pytest.mark.parametrize("key", CASES)
-def test_a_server_is_found_by_its_name(kind, key, server, client):
+def test_a_server_is_found_by_its_name(kind, key, server, client, tmp_path):
     """Another one has the same port, on the client's own machine. There is no router."""
     server("simulators", "01_request_reply", "--beacon", "den").wait_for(f"^found as beacon://den:{PORT}$")
-    server("hub", key, "--beacon", "lab")
+    own = ["--journal", tmp_path / "own.sqlite3"] if key == "14_long_jobs" else []
+    server("hub", key, "--beacon", "lab", *own)
     client(kind, key).wait_for(CASES[key][1])
 
 
@@ -164,7 +166,7 @@ def test_a_server_behind_a_second_cable_is_found(mine, its, host, kind, server, 
 
 
 @pytest.mark.parametrize("kind", ["python", "csharp"])
-@pytest.mark.parametrize("key", ["03_publish_subscribe", "04_background_client", "08_see_and_steer"])
+@pytest.mark.parametrize("key", ["03_publish_subscribe", "04_background_client", "08_see_and_steer", "15_security"])
 def test_a_client_that_finds_none_says_what_to_look_at(kind, key, run):
     tries = ["--tries", "2"] if key[:2] != "03" else []
     ended = run(kind, key, "--endpoint", f"beacon://lab:{free_port()}", "--timeout", "0.3", *tries)

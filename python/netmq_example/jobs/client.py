@@ -21,6 +21,7 @@ from typing import Any
 import zmq
 
 from netmq_example import check
+from netmq_example.beacon import BeaconSearch
 from netmq_example.errors import GaveUp, tried
 from netmq_example.messages import LIMIT, Message, MessageError, read, take
 from netmq_example.one_process import OneProcess
@@ -78,7 +79,8 @@ class JobClient(OneProcess):
         report: Callable[[str], object] = print,
     ) -> None:
         self.context = check.instance("context", context, zmq.Context)
-        self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5564")
+        self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5564", beacon=True)
+        self.search = BeaconSearch(endpoint)
         # An id must never come twice, whichever program makes one: hence the uuid.
         self.job = uuid.uuid4().hex if job is None else job_id("job", job)
         self.timeout = check.seconds("timeout", timeout)
@@ -86,7 +88,9 @@ class JobClient(OneProcess):
         self.report = check.function("report", report)
         self.request = self.ask("status")
         self.dropped = False
-        self.socket = self.connect()
+        # What the socket is connected to, as soon as it is known where the server is.
+        self.where = ""
+        self.socket = self.open()
 
     def __enter__(self) -> "JobClient":
         return self
@@ -137,12 +141,13 @@ class JobClient(OneProcess):
                 continue
             silent_tries += 1
             if silent_tries == self.tries:
+                cure = self.search.cure("is the server running?")
                 why = f"no word of it from {self.endpoint} in {tried(self.tries)} of up to {timeout:g} s"
-                raise TimeoutError(f"{why}; is the server running? Its id is {self.job}")
+                raise TimeoutError(f"{why}; {cure} Its id is {self.job}")
             self.report(f"no word within {timeout:g} s; try {silent_tries + 1} of {self.tries}")
             # A new socket helps, whatever was wrong with this one.
-            self.close()
-            self.socket = self.connect()
+            self.socket.close()
+            self.socket = self.open()
             heard_at = time.monotonic()
 
     def cancel(self) -> None:
@@ -181,18 +186,24 @@ class JobClient(OneProcess):
     def send(self, request: Message) -> None:
         self.check_process()
         self.dropped = False
+        if not self.where:
+            self.where = self.search.look(SLICE_MS / 1000)
+            if self.where:
+                self.socket.connect(self.where)
         try:
             self.socket.send_multipart(request.frames(), zmq.NOBLOCK)
         except zmq.Again:
-            # After a peer that broke the protocol there may be no connection to send on. It is asked again anyway.
+            # After a peer that broke the protocol, or before a beacon answers, there is no connection to send on. It is
+            # asked again anyway.
             pass
 
-    def connect(self) -> zmq.Socket[bytes]:
+    def open(self) -> zmq.Socket[bytes]:
         socket = self.context.socket(zmq.DEALER)
         limit(socket, LIMIT)
         socket.rcvtimeo = SLICE_MS
-        socket.connect(self.endpoint)
+        self.where = ""
         return socket
 
     def close(self) -> None:
         self.socket.close()
+        self.search.close()

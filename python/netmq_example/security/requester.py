@@ -18,6 +18,7 @@ from typing import Any
 import zmq
 
 from netmq_example import check
+from netmq_example.beacon import BeaconSearch
 from netmq_example.errors import tried
 from netmq_example.one_process import OneProcess
 from netmq_example.program import Context, Socket, encoded, limit, longer, option
@@ -66,7 +67,8 @@ class SecureRequester(OneProcess):
     ) -> None:
         """Without keys it speaks plain, which such a server refuses too."""
         self.context: Context = check.instance("context", context, zmq.Context)
-        self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5565")
+        self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5565", beacon=True)
+        self.search = BeaconSearch(endpoint)
         self.keys: ClientKeys | None = check.instance("keys", keys, ClientKeys, type(None))
         self.timeout = check.seconds("timeout", timeout)
         self.tries = check.count("tries", tries)
@@ -85,13 +87,17 @@ class SecureRequester(OneProcess):
             if reply is not None:
                 return reply
             # A REQ socket that waits for a reply refuses to send, and one that was refused is dead.
-            self.close()
+            self.close_socket()
             if attempt < self.tries:
                 self.report(f"{self.number}: {trouble}; try {attempt + 1} of {self.tries}")
-        cure = self._advice() if trouble == THROWN_OUT else "is the server running?"
+        cure = self._advice() if trouble == THROWN_OUT else self.search.cure("is the server running?")
         raise TimeoutError(f"{tried(self.tries)} to ask {self.endpoint}, the last: {trouble}; {cure}")
 
     def close(self) -> None:
+        self.close_socket()
+        self.search.close()
+
+    def close_socket(self) -> None:
         if self.socket:
             self.socket.disable_monitor()
             self.monitor.close()
@@ -101,7 +107,10 @@ class SecureRequester(OneProcess):
     def _try(self, request: bytes, timeout: float) -> tuple[str | None, str]:
         """One try: the reply, or what came in its place."""
         if not self.socket:
-            self.socket = self._open()
+            where = self.search.look(timeout)
+            if not where:
+                return None, f"nobody answers to this name within {timeout:g} s"
+            self.socket = self._open(where)
         end = time.monotonic() + timeout
         try:
             self.socket.send(request, zmq.NOBLOCK)
@@ -118,13 +127,13 @@ class SecureRequester(OneProcess):
                 return None, THROWN_OUT
         return None, f"no reply within {timeout:g} s"
 
-    def _open(self) -> Socket:
+    def _open(self, where: str) -> Socket:
         socket = self.context.socket(zmq.REQ)
         limit(socket)
         if self.keys:
             self.keys.apply(socket)
         self.monitor = socket.get_monitor_socket(zmq.EVENT_DISCONNECTED)
-        socket.connect(self.endpoint)
+        socket.connect(where)
         return socket
 
     def _advice(self) -> str:
