@@ -14,7 +14,10 @@ NO_CONNECTION = "no connection"
 
 
 def connect_once(socket: zmq.Socket[Any], endpoint: str, wait: float, stop: threading.Event | None = None) -> None:
-    """Wait for it so many seconds. TimeoutError: it did not come; ConnectionRefusedError: nobody listens there."""
+    """Wait for it so many seconds. TimeoutError: it did not come.
+
+    ConnectionRefusedError: nobody listens, or whoever does hung up.
+    """
     # Nothing can be sent while there is no connection, and this socket makes no second one: it might do so between two
     # looks, without a hello, and Python and simulator would wait for each other.
     socket.immediate = True
@@ -23,7 +26,7 @@ def connect_once(socket: zmq.Socket[Any], endpoint: str, wait: float, stop: thre
     # computer that learns on all its cores would be taken for gone.
     socket.heartbeat_ivl, socket.heartbeat_timeout = 500, 2500
     end = time.monotonic() + wait
-    with socket.get_monitor_socket(zmq.EVENT_CLOSED) as refused:
+    with socket.get_monitor_socket(zmq.EVENT_CLOSED | zmq.EVENT_DISCONNECTED) as refused:
         try:
             socket.connect(endpoint)
             while not socket.poll(min(SLICE_MS, int(1000 * wait)), zmq.POLLOUT):

@@ -50,7 +50,8 @@ namespace NetMQExample
                 // Nothing can be sent while there is no connection.
                 // A pulled cable tells nobody: a silent peer is asked after a second, and gone when two more bring no
                 // answer.
-                Options = { DelayAttachOnConnect = true, HeartbeatInterval = Try, HeartbeatTimeout = Try + Try },
+                Options = { DelayAttachOnConnect = true, ReconnectInterval = Try / 2,
+                    HeartbeatInterval = Try, HeartbeatTimeout = Try + Try },
             }, 4 * Message.LimitBytes);
         }
 
@@ -103,8 +104,8 @@ namespace NetMQExample
             // Not the simulator's own: in Unity it is asked on the main thread alone.
             var name = simulator.Words.Values["name"];
             Send(simulator.Words, limit, stop);
-            // From now on it makes no second connection: it might do so between two looks, without a hello, and Python and
-            // simulator would wait for each other.
+            // From now on it makes no second connection: it might do so between two looks, without a hello, and Python
+            // and simulator would wait for each other.
             connection.Socket.Options.ReconnectInterval = Timeout.InfiniteTimeSpan;
             var request = Receive(limit, stop);
             if (request?.Kind != "welcome") throw new MessageException("no-welcome", "hello had another answer");

@@ -26,7 +26,7 @@ namespace NetMQExample
             connection = new NetMQConnection(endpoint, () => new DealerSocket
             {
                 // Nothing can be sent while there is no connection. Lesson 09 says why a silent peer is asked.
-                Options = { DelayAttachOnConnect = true,
+                Options = { DelayAttachOnConnect = true, ReconnectInterval = TimeSpan.FromSeconds(0.5),
                     HeartbeatInterval = TimeSpan.FromSeconds(1), HeartbeatTimeout = TimeSpan.FromSeconds(2) },
             }, 4 * Message.LimitBytes);
         }

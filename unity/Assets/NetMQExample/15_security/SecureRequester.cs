@@ -40,8 +40,8 @@ namespace NetMQExample
         /// <summary>Connects, which succeeds even while no server is there, or one that refuses.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5565</c>.</param>
         /// <param name="keys">Who this is, and which server; null speaks plain, which such a server refuses.</param>
-        /// <param name="timeout">How long to wait for the reply to the first try. Each one waits twice as long as the one
-        /// before, up to 8 times.</param>
+        /// <param name="timeout">How long to wait for the reply to the first try. Each one waits twice as long as the
+        /// one before, up to 8 times.</param>
         /// <param name="tries">How often to send a request before giving up.</param>
         /// <param name="report">Called, on the thread of the request, with a line to log before each retry.</param>
         /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
@@ -87,7 +87,8 @@ namespace NetMQExample
             connection.Dispose();
         }
 
-        private bool Try(string text, TimeSpan limit, CancellationToken stop, out string reply, out string trouble)
+        private bool Try(
+            string text, TimeSpan limit, CancellationToken stop, out string reply, out string trouble)
         {
             reply = "";
             trouble = ThrownOut;

@@ -70,8 +70,8 @@ namespace NetMQExample
         /// enough to cost nothing.</summary>
         public static TimeSpan Slice { get; } = TimeSpan.FromMilliseconds(10);
 
-        /// <summary>How long to wait after so many tries in vain: each time twice as long, up to 8 times the first. A new
-        /// connection takes several round trips. On a slow line only a longer wait ever succeeds.</summary>
+        /// <summary>How long to wait after so many tries in vain: each time twice as long, up to 8 times the first. A
+        /// new connection takes several round trips. On a slow line only a longer wait ever succeeds.</summary>
         /// <param name="first">How long the first try waits.</param>
         /// <param name="tries">How many were in vain.</param>
         public static TimeSpan Longer(TimeSpan first, int tries) => first * (1 << Math.Min(tries, 3));
