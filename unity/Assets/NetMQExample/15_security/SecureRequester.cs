@@ -70,7 +70,8 @@ namespace NetMQExample
             number++;
             for (var attempt = 1; ; attempt++)
             {
-                if (Try(text, NetMQConnection.Longer(timeout, attempt - 1), stop, out var reply, out var trouble)) return reply;
+                var limit = NetMQConnection.Longer(timeout, attempt - 1);
+                if (Try(text, limit, stop, out var reply, out var trouble)) return reply;
                 // A REQ socket that waits for a reply refuses to send, and one that was refused is dead.
                 Close();
                 if (attempt == tries)
