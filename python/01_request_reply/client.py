@@ -12,14 +12,29 @@ from pathlib import Path
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.program import LARGEST_BYTES, Socket, client_options, connected, printable, receive, run, whole
+from netmq_example.program import (
+    LARGEST_BYTES,
+    Socket,
+    client_options,
+    connected,
+    printable,
+    receive,
+    run,
+    text_of,
+    whole,
+)
 
 
 def request(socket: Socket, text: str, timeout: float) -> str:
     """Send a request and wait for its reply, at most `timeout` seconds: zmq.Again after that."""
     # Where there is no connection to send on, as after a peer that is not ZeroMQ, this raises zmq.Again as well.
     socket.send(text.encode(errors="replace"))
-    return receive(socket, timeout)[0].decode(errors="replace")
+    return receive_text(socket, timeout)
+
+
+def receive_text(socket: Socket, timeout: float) -> str:
+    """The text of the next message, which is that of all its frames, with a blank between them."""
+    return " ".join(map(text_of, receive(socket, timeout)))
 
 
 def show_refusal(socket: Socket, text: str, timeout: float) -> None:
@@ -29,8 +44,7 @@ def show_refusal(socket: Socket, text: str, timeout: float) -> None:
         socket.send(text.encode(errors="replace"))
     except zmq.ZMQError as error:
         print(f"refused: {type(error).__name__}: {error}")
-    reply = receive(socket, timeout)[0].decode(errors="replace")
-    print(f"received {printable(reply)}: now REQ may send again")
+    print(f"received {printable(receive_text(socket, timeout))}: now REQ may send again")
 
 
 def main() -> None:

@@ -25,7 +25,7 @@ sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
 from netmq_example.journal import LONGEST_ID_BYTES, Journal
-from netmq_example.program import listening, receive, run, server_options, whole
+from netmq_example.program import listening, receive, run, server_options, text_of, whole
 
 
 def answer(db: sqlite3.Connection, text: str) -> str:
@@ -48,16 +48,16 @@ def main() -> None:
         for number in itertools.count(1):
             frames = receive(socket)
             # Those up to the empty one are the way back to the client. REP keeps them out of sight.
-            body = frames.index(b"") + 1 if b"" in frames else 1
+            body = frames.index(b"") + 1 if b"" in frames[:-1] else 1
             request_id, text = frames[body:] if len(frames) == body + 2 else (b"", b"")
             reply = source = ""
             with options.journal.watched():
                 if not 0 < len(request_id) <= LONGEST_ID_BYTES:
-                    reply = f"error: expected two frames, an id of 1 to {LONGEST_ID_BYTES} bytes and a request"
+                    reply = f"error: expected two frames, [id][text], with an id of 1 to {LONGEST_ID_BYTES} bytes"
                 elif reply := options.journal.find(request_id):
                     source = ", from the journal"
                 else:
-                    reply = options.journal.do(request_id, text.decode(errors="replace"), answer)
+                    reply = options.journal.do(request_id, text_of(text), answer)
             fate = {options.crash_on: ", crash", options.drop: ", dropped"}.get(number, "")
             if reply and not reply.startswith("error:"):
                 print(f"request {number}, {request_id[:10]!r}: {reply!r:.80}{source}{fate}", flush=True)
@@ -65,7 +65,7 @@ def main() -> None:
                 os._exit(1)
             if reply and number != options.drop:
                 # This never waits: ROUTER drops the reply to a client that has gone, or does not read.
-                socket.send_multipart([*frames[:body], request_id, reply.encode()])
+                socket.send_multipart([*frames[:body], *filter(None, [request_id]), reply.encode()])
 
 
 if __name__ == "__main__":

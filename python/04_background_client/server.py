@@ -40,15 +40,19 @@ def main() -> None:
     parser = server_options(__doc__, "tcp://127.0.0.1:5554")
     parser.add_argument("--slow-on", type=whole, default=0, metavar="N", help="answer the Nth message 2 seconds late")
     options = parser.parse_args()
-    with listening(zmq.REP, options) as socket:
+    with listening(zmq.ROUTER, options) as socket:
         for number in itertools.count(1):
             frames = receive(socket)
-            # Other than two frames get the error of an empty text.
-            request_id, text = frames if len(frames) == 2 else (b"", b"")
-            reply = remembered(request_id, text)
+            # The way back ends with REQ's empty frame, or with the client's name: REP takes nothing without the former.
+            body = frames.index(b"") + 1 if b"" in frames[:-1] else 1
+            way = frames[:body]
+            reply = b"error: expected two frames, [id][text]"
+            if len(frames) == body + 2:
+                way = frames[:-1]
+                reply = remembered(*frames[body:])
             if number == options.slow_on:
                 time.sleep(2)
-            socket.send_multipart([request_id, reply])
+            socket.send_multipart([*way, reply])
             if not reply.startswith(b"error:"):
                 print(f"{number}: sent {reply!r:.80}", flush=True)
 

@@ -4,7 +4,8 @@
     python python/06_many_in_flight/client.py       or: dotnet run --project csharp-console -- 6
 
 Bytes: a request is two frames, [id][text], and so is its reply; text is UTF-8, and the id is the client's own: any
-bytes, returned as they came. ROUTER puts a third frame in front, which says whose request it is: [client][id][text].
+bytes, returned as they came. ROUTER puts one more in front, which says whose request it is: [client][id][text]. The
+empty frame that REQ puts before the id comes back with the reply, too.
 `echo TEXT` is answered with TEXT, `sleep 0.5` after half a second, anything else with a text that begins with `error:`.
 A retry of a request at work is not done twice; a retry of an answered one is (lesson 02 has the cure).
 `error: busy, try again later` refuses what is more than 64 of one client or 256 of all, and `echo` never.
@@ -42,34 +43,34 @@ def main() -> None:
     parser = server_options(__doc__, "tcp://127.0.0.1:5556")
     parser.add_argument("--workers", type=int, choices=range(1, 33), default=4, metavar="N", help="how many threads")
     options = parser.parse_args()
-    workers = WorkerThreads[tuple[bytes, bytes]](options.workers, answer)
+    workers = WorkerThreads[list[bytes]](options.workers, answer)
     # What is under way: whose request, and its id.
-    at_work: set[tuple[bytes, bytes]] = set()
+    at_work: list[list[bytes]] = []
     with contextlib.closing(workers), listening(zmq.ROUTER, options) as socket:
         while True:
             zmq.select([socket, workers], [], [], 0.2)
-            for key, reply in workers.finished():
-                at_work.remove(key)
+            for way, reply in workers.finished():
+                at_work.remove(way)
                 # This never waits: ROUTER drops the reply to a client that has gone, or does not read.
-                socket.send_multipart([*key, reply])
+                socket.send_multipart([*way, reply])
             with contextlib.suppress(zmq.Again):
                 # Not until there are no more: the replies have their turn, too.
                 for _ in range(MOST):
-                    client, request_id = socket.recv(zmq.NOBLOCK), socket.recv()
-                    text, *surplus = socket.recv_multipart() if socket.getsockopt(zmq.RCVMORE) else [b""]
+                    *way, text = socket.recv_multipart(zmq.NOBLOCK)
+                    right = len(way) == 2 or way[1:-1] == [b""]
                     # To hand an echo to a worker would cost more than to answer it.
-                    if text.startswith(b"echo ") and not surplus:
-                        # Frame by frame: recv_multipart and send_multipart would make it take twice as long here.
-                        socket.send(client, zmq.SNDMORE)
-                        socket.send(request_id, zmq.SNDMORE)
+                    if right and text.startswith(b"echo "):
+                        # Frame by frame: send_multipart would make it take longer here.
+                        for frame in way:
+                            socket.send(frame, zmq.SNDMORE)
                         socket.send(workers.at_once(text))
-                    elif (client, request_id) not in at_work:
-                        if len(at_work) < MOST and sum(peer == client for peer, _ in at_work) < MOST // 4:
-                            at_work.add((client, request_id))
-                            # Other frames than two are no request, and the empty text is answered with an error.
-                            workers.begin((client, request_id), b"" if surplus else text)
+                    elif way not in at_work:
+                        if len(at_work) < MOST and sum(peer == way[0] for peer, *_ in at_work) < MOST // 4:
+                            # Other frames are no request, and the empty text is answered with an error.
+                            at_work.append(way[:3])
+                            workers.begin(way[:3], text if right else b"")
                         else:
-                            socket.send_multipart([client, request_id, b"error: busy, try again later"])
+                            socket.send_multipart([*way[:3], b"error: busy, try again later"])
 
 
 if __name__ == "__main__":

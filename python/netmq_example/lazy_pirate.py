@@ -18,7 +18,7 @@ from netmq_example import check
 from netmq_example.beacon import BeaconSearch
 from netmq_example.errors import GaveUp, tried
 from netmq_example.one_process import OneProcess
-from netmq_example.program import Context, Socket, encoded, limit, longer, printable
+from netmq_example.program import Context, Socket, encoded, limit, longer, printable, text_of
 
 # The longest wait in one piece, in milliseconds: between two of them stop() is noticed and, on Windows, Ctrl-C.
 SLICE_MS = 50
@@ -68,15 +68,15 @@ class LazyPirate(OneProcess):
             timeout = longer(self.timeout, attempt - 1)
             frames = self.exchange(request, timeout)
             if is_reply(frames, request):
-                return frames[1].decode(errors="replace")
+                return text_of(frames[1])
             if self.stopped.is_set():
                 break
             trouble = f"{'nobody answers to this name' if self.search.vain else 'no reply'} within {timeout:g} s"
             if frames:
-                seen = printable(b" ".join(frames).decode(errors="replace"))
+                seen = printable(" ".join(map(text_of, frames)))
                 trouble = f"dropped a reply to another request ({seen})"
             if attempt == self.tries:
-                cure = self.search.cure("is the right server running, or the line slow?")
+                cure = self.search.cure("is the right server running, the line slow, or the reply over 64 KB?")
                 raise TimeoutError(
                     f"{tried(self.tries)} to ask {self.endpoint}, the last: {trouble}; "
                     f"{cure} '{text}' may have been done or not"

@@ -5,7 +5,8 @@
             print(number, reply or failure)
 
 Bytes: UTF-8 text, two frames each way, [id][text], at most 65,536 bytes each; the id is a number in digits, and a retry
-carries the same. In C# it is ManyRequester.cs.
+carries the same. The server is a ROUTER: a REP takes no message without REQ's empty frame. In C# it is
+ManyRequester.cs.
 """
 
 import time
@@ -18,7 +19,7 @@ import zmq
 from netmq_example import check
 from netmq_example.errors import tried
 from netmq_example.one_process import OneProcess
-from netmq_example.program import LARGEST_BYTES, Context, limit, longer
+from netmq_example.program import LARGEST_BYTES, Context, limit, longer, text_of
 
 # The deadlines are checked this often. Shorter would cost more. Longer, and Ctrl-C would have to wait on Windows.
 SLICE_SECONDS = 0.05
@@ -135,7 +136,7 @@ class ManyRequester(OneProcess):
             if frames[1].startswith(b"error: busy") and entry.attempt < self.tries:
                 continue
             del self.pending[frames[0]]
-            yield entry.number, frames[1].decode(errors="replace"), ""
+            yield entry.number, text_of(frames[1]), ""
 
     def overdue(self) -> Iterator[tuple[int, str, str]]:
         """A request that waits for too long is sent again with its old id, or given up."""
@@ -152,8 +153,8 @@ class ManyRequester(OneProcess):
             within = f"{entry.timeout:g} s"
             if entry.attempt == self.tries:
                 del self.pending[request_id]
-                why = f"no reply in {tried(self.tries)} of up to {within}; is the server running, or slow?"
-                yield entry.number, "", why
+                cure = "is the server running, slow, or its reply over 64 KB?"
+                yield entry.number, "", f"no reply in {tried(self.tries)} of up to {within}; {cure}"
                 continue
             entry.timeout = longer(self.timeout, entry.attempt)
             entry.attempt += 1

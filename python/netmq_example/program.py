@@ -138,8 +138,8 @@ def connected(kind: int, options: argparse.Namespace, largest: int = LARGEST_BYT
         try:
             yield socket
         except zmq.Again:
-            within = f"within {options.timeout:g} s"
-            raise TimeoutError(f"no reply from {options.endpoint} {within}; is the server running?") from None
+            within = f"within {options.timeout:g} s; is the server running, or its reply over {largest >> 10} KB?"
+            raise TimeoutError(f"no reply from {options.endpoint} {within}") from None
 
 
 def limit(socket: Socket, largest: int = LARGEST_BYTES) -> None:
@@ -206,6 +206,15 @@ def encoded(text: str, errors: str = "replace") -> bytes:
     if len(data) > LARGEST_BYTES:
         raise ValueError(f"a text of {len(data)} bytes, more than {LARGEST_BYTES}: lesson 05 carries more")
     return data
+
+
+def text_of(frame: bytes) -> str:
+    """Its text; of one that is no UTF-8 how long it is, in brackets. The text of a message is that of all its frames,
+    with a blank between them.
+    """
+    with contextlib.suppress(UnicodeDecodeError):
+        return frame.decode()
+    return f"({len(frame)} bytes)"
 
 
 def printable(text: str, most: int = 200) -> str:

@@ -14,14 +14,14 @@ from collections.abc import Callable
 from typing import Any
 
 from netmq_example.json_text import shallow
-from netmq_example.program import encoded, printable, show
+from netmq_example.program import encoded, printable, show, text_of
 from netmq_example.trouble import Trouble
 
 
 def reply_to(answer: Callable[[str], str], request: bytes) -> bytes:
     """The reply that `answer` gives to a request. A mistake in it is reported to both sides, and ends neither."""
     try:
-        text = answer(request.decode(errors="replace"))
+        text = answer(text_of(request))
         if not isinstance(text, str):
             raise TypeError(f"answer returned {text!r:.40}: return a text")
         return encoded(text, "strict")

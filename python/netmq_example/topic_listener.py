@@ -4,7 +4,8 @@
         listener = TopicListener(socket, "tcp://127.0.0.1:5553", "pose/")
         print(listener.receive(timeout=5))
 
-Bytes: UTF-8 text, one frame, which begins with its topic. In C# it is TopicListener.cs.
+Bytes: UTF-8 text, which begins with its topic. Of a message of several frames the text is that of all, with a blank
+between them; receive_frames() hands them over apart, as bytes. In C# it is TopicListener.cs.
 """
 
 import time
@@ -13,7 +14,7 @@ import zmq
 
 from netmq_example import check
 from netmq_example.beacon import BeaconSearch
-from netmq_example.program import SLICE_MS, Socket, limit
+from netmq_example.program import SLICE_MS, Socket, limit, text_of
 
 # A silent publisher, such as a laptop that sleeps, is asked so often, and gets a new connection, for which libzmq looks
 # its name up again, if it does not answer for so long. The two together are less than the 5 s a client waits.
@@ -48,7 +49,11 @@ class TopicListener:
         self.look()
 
     def receive(self, timeout: float) -> str:
-        """Wait so many seconds for the next message; TimeoutError if none comes."""
+        """Wait so many seconds for the next message, and hand over its text; TimeoutError if none comes."""
+        return " ".join(map(text_of, self.receive_frames(timeout)))
+
+    def receive_frames(self, timeout: float) -> list[bytes]:
+        """The same with its frames as they came, such as a topic and a picture."""
         timeout = check.seconds_or_none("timeout", timeout)
         check.not_closed("this listener's socket", self.socket)
         start = time.monotonic()
@@ -59,11 +64,11 @@ class TopicListener:
             try:
                 frames = self.socket.recv_multipart()
                 self.heard = True
-                return frames[0].decode(errors="replace")
+                return frames
             except zmq.Again:
                 waited = time.monotonic() - start
             if waited >= timeout:
-                why = self.search.cure(f"is the server running, with topic '{self.topic}'?")
+                why = self.search.cure(f"is the server running, with topic '{self.topic}', or a message over 64 KB?")
                 raise TimeoutError(f"nothing from {self.endpoint} within {timeout:g} s; {why}")
             if waited >= renew and (self.search.name or not self.heard):
                 self.looking = True
@@ -85,10 +90,10 @@ class TopicListener:
 
     def newest(self, timeout: float) -> str:
         """Wait for a message, then take all that are queued behind it: only the last one counts."""
-        message = self.receive(timeout)
+        frames = self.receive_frames(timeout)
         try:
             for _ in range(MOST_MESSAGES):
-                message = self.socket.recv_multipart(zmq.NOBLOCK)[0].decode(errors="replace")
+                frames = self.socket.recv_multipart(zmq.NOBLOCK)
         except zmq.Again:
             pass
-        return message
+        return " ".join(map(text_of, frames))

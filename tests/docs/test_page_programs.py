@@ -386,7 +386,7 @@ while True:
     unity = start(*pages, "hands", endpoint)
     for _ in range(2):
         begin = len(unity.lines)
-        why = "is the server running, with topic 'hand/'[?]"
+        why = "is the server running, with topic 'hand/', or a message over 64 KB[?]"
         unity.wait_for(f"^trouble: nothing from {endpoint} within 0.3 s; {why}$", start=begin)
     start(PYTHON, tmp_path / "publisher.py", folder=tmp_path)
     wanted = "wanted hand/ NUMBER and 3 numbers for each of 2 Joints, with blanks between and decimal points, not"

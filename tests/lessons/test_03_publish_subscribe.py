@@ -149,19 +149,40 @@ def test_a_publisher_that_is_only_slow_keeps_its_listener(fake, start, client_co
     assert client.wait() == 0, client.output
 
 
+@pytest.mark.parametrize("mode", [[], ["--newest"]], ids=["each", "newest"])
 @pytest.mark.parametrize("kind", TERMINAL)
-def test_a_listener_prints_what_is_fit_and_takes_nothing_endless(kind, fake, listen):
-    client = listen(kind, where(fake), "--topic", "", "--count", "2", "--every", "1", "--timeout", "25")
+def test_a_listener_prints_all_frames_in_one_line_and_takes_nothing_endless(kind, mode, fake, listen):
+    client = listen(kind, where(fake), "--topic", "", "--count", "2", "--every", "1", "--timeout", "25", *mode)
     subscribed(fake)
     fake.send(b"x" * 100_000)
     # ZeroMQ closes the connection for it. The listener makes another.
     deadline = time.monotonic() + LIMIT
     while client.process.poll() is None and time.monotonic() < deadline:
-        fake.send_multipart(["\x1b[2Jgrün ✓\n\xad\x85".encode() + b"\xff" + b"y" * 1000, b"a frame too many"])
+        fake.send_multipart(["\x1b[2Jgrün ✓\n\xad\x85".encode(), b'{"n": 1}', b"\xff\xd8\xff", b"y" * 1000])
         time.sleep(0.01)
     assert client.wait() == 0, client.output
-    line = f"received ?[2Jgrün ✓???\ufffd{'y' * 186}…"
+    text = f'?[2Jgrün ✓??? {{"n": 1}} (3 bytes) {"y" * 1000}'
+    line = f"received {text[:200]}…"
     assert client.lines[1:] == [line, line, "done: received 2"]
+
+
+def test_in_unity_a_pose_in_frames_of_its_own_is_one(fake, listen):
+    client = listen("unity", where(fake), "--count", "1", "--every", "1")
+    subscribed(fake)
+    fake.send_multipart([b"pose/", b"7 1 2 3 0 0 0 1"])
+    assert client.wait() == 0, client.output
+    assert "received pose/ 7 1 2 3 0 0 0 1" in client.lines
+
+
+def test_the_frames_of_a_message_apart(fake):
+    with zmq.Context() as context, context.socket(zmq.SUB) as socket:
+        listener = TopicListener(socket, where(fake), "cam/")
+        subscribed(fake)
+        message = [b"cam/left", b"\xff\xd8\xff", b""]
+        for _ in range(2):
+            fake.send_multipart(message)
+        assert listener.receive_frames(LIMIT) == message
+        assert listener.receive(LIMIT) == "cam/left (3 bytes) "
 
 
 def test_in_unity_what_is_no_pose_moves_nothing(fake, listen):

@@ -339,8 +339,8 @@ def test_a_server_that_breaks_the_connection_does_not_hold_a_client(kind, start,
         code = client.wait()
     assert client.lines[1] == "1: sent frame 1, 230400 bytes; brightest at a 1"
     # NetMQ does connect to such a peer again.
-    end = ["done: 3 replies", f"gave up: no reply from {breaker.endpoint} within 5 s; is the server running?"][code]
-    assert client.lines[-1] == end, client.output
+    end = ["done: 3 replies", f"gave up: no reply from {breaker.endpoint} within 5 s; is the server running, or "][code]
+    assert client.lines[-1].startswith(end), client.output
 
 
 def test_in_unity_a_server_that_was_restarted_is_found_again(serve, start, client_command):

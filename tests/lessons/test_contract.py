@@ -339,6 +339,24 @@ def test_a_component_that_listens_goes_on_after_an_outage(key, serve, start, cli
     assert not any(line.startswith("trouble: ") for line in player.lines[away:-1]), player.output
 
 
+# What a server of `[id][text]` is asked, with its answer, and how that to lesson 01's client begins, which sends no id.
+TEXTS = {
+    "02_lazy_pirate": ("balance", "0", "error: expected two frames, [id][text]"),
+    "04_background_client": ("echo hi", "hi", "error: expected two frames, [id][text]"),
+    "06_many_in_flight": ("echo hi", "hi", "hi"),
+}
+
+
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+@pytest.mark.parametrize("key", TEXTS)
+def test_every_client_of_an_id_and_a_text_fits_every_server_of_them(key, kind, serve, run):
+    _, endpoint = serve(key)
+    text, reply, without = TEXTS[key]
+    for client, expected in [*((client, f"{reply}\n") for client in TEXTS), ("01_request_reply", without)]:
+        done = run(kind, client, "--endpoint", endpoint, "--count", "1", "--text", text, *PATIENT)
+        assert f"1: sent {text}, received {expected}" in "\n".join(done.lines), (client, done)
+
+
 # A server goes on, and ends
 
 

@@ -21,7 +21,7 @@ from netmq_example import check
 from netmq_example.beacon import BeaconSearch
 from netmq_example.errors import tried
 from netmq_example.one_process import OneProcess
-from netmq_example.program import Context, Socket, encoded, limit, longer, option
+from netmq_example.program import Context, Socket, encoded, limit, longer, option, text_of
 from netmq_example.security.keys import checked, checked_path, load, make
 
 # Seconds between two tries, where the first was over at once.
@@ -90,7 +90,8 @@ class SecureRequester(OneProcess):
             self.close_socket()
             if attempt < self.tries:
                 self.report(f"{self.number}: {trouble}; try {attempt + 1} of {self.tries}")
-        cure = self._advice() if trouble == THROWN_OUT else self.search.cure("is the server running?")
+        advice = self.search.cure("is the server running, or its reply over 64 KB?")
+        cure = self._advice() if trouble == THROWN_OUT else advice
         raise TimeoutError(f"{tried(self.tries)} to ask {self.endpoint}, the last: {trouble}; {cure}")
 
     def close(self) -> None:
@@ -120,7 +121,7 @@ class SecureRequester(OneProcess):
         while time.monotonic() < end:
             left_ms = int((end - time.monotonic()) * 1000) + 1
             if self.socket.poll(min(10, left_ms)):
-                return self.socket.recv().decode(errors="replace"), ""
+                return " ".join(map(text_of, self.socket.recv_multipart())), ""
             if self.monitor.poll(0):
                 # Most often it is refused again; and if the server was started anew, it is there a moment later.
                 time.sleep(PAUSE_SECONDS)

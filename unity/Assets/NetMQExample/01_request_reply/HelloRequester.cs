@@ -82,16 +82,16 @@ namespace NetMQExample
         /// <summary>The second half: waits for the reply, as <see cref="Request"/> does.</summary>
         /// <param name="timeout">How long to wait for the reply.</param>
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
-        /// <returns>The text of the reply's first frame.</returns>
+        /// <returns>The reply's text.</returns>
         public string Receive(TimeSpan timeout, CancellationToken stop = default)
         {
             // However many frames there are, they are one message.
-            List<string> frames = null;
+            List<byte[]> frames = null;
             foreach (var slice in NetMQConnection.Slices(timeout, stop))
             {
-                if (!Socket.TryReceiveMultipartStrings(slice, Encoding.UTF8, ref frames)) continue;
+                if (!Socket.TryReceiveMultipartBytes(slice, ref frames)) continue;
                 NetMQConnection.Show(endpoint, false, frames);
-                return frames[0];
+                return string.Join(" ", frames.ConvertAll(NetMQConnection.Text));
             }
             throw NetMQConnection.NoReply(endpoint, timeout);
         }

@@ -71,8 +71,9 @@ namespace NetMQExample
                     : $"dropped a reply to another request ({LogText.Printable(string.Join(" ", frames))})";
                 if (attempt == tries)
                     throw new TimeoutException($"{NetMQConnection.Tries(tries)} to ask {endpoint}, the last: "
-                        + $"{trouble}; {connection.Cure("is the right server running, or the line slow?")} "
-                        + $"'{text}' may have been done or not");
+                        + $"{trouble}; "
+                        + connection.Cure("is the right server running, the line slow, or the reply over 64 KB?")
+                        + $" '{text}' may have been done or not");
                 report($"{number}: {trouble}; try {attempt + 1} of {tries}");
             }
         }

@@ -1,10 +1,12 @@
 // Lesson 03, publish-subscribe: listen to every message that begins with a topic, or only to the newest.
 //
 // The Python side is python/03_publish_subscribe/server.py.
-// Bytes: UTF-8 text, one frame, which begins with its topic.
+// Bytes: UTF-8 text, which begins with its topic. Of a message of several frames the text is that of all, with a blank
+// between them; ReceiveFrames hands them over apart, as bytes.
 // Messages from before the publisher knew of this listener are lost, and so are those that find the queues full.
 // Nothing reports that. Trouble: a topic is a prefix. `news` also gets newsflash/; the delimiter, `news/`, cures that.
 using System;
+using System.Collections.Generic;
 using System.Diagnostics;
 using System.Text;
 using System.Threading;
@@ -53,16 +55,25 @@ namespace NetMQExample
         /// <returns>Its text.</returns>
         /// <exception cref="TimeoutException">None came.</exception>
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
-        public string Receive(TimeSpan timeout, CancellationToken stop = default)
+        public string Receive(TimeSpan timeout, CancellationToken stop = default) =>
+            Text(ReceiveFrames(timeout, stop));
+
+        /// <summary>Waits for the next message, as <see cref="Receive"/> does.</summary>
+        /// <param name="timeout">How long to wait; zero takes only what is there.</param>
+        /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
+        /// <returns>Its frames as they came, such as a topic and a picture.</returns>
+        /// <exception cref="TimeoutException">None came.</exception>
+        /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
+        public List<byte[]> ReceiveFrames(TimeSpan timeout, CancellationToken stop = default)
         {
             var waited = Stopwatch.StartNew();
             var renew = Silence;
             foreach (var slice in NetMQConnection.Slices(timeout, stop))
             {
-                if (TryReceive(slice, out var text))
+                if (TryReceive(slice, out var frames))
                 {
                     heard = true;
-                    return text;
+                    return frames;
                 }
                 if (heard && silent.Elapsed >= Silence && connection.Follow()) silent.Restart();
                 if (heard || waited.Elapsed < renew) continue;
@@ -72,7 +83,7 @@ namespace NetMQExample
             }
             throw new TimeoutException(FormattableString.Invariant(
                 $"nothing from {endpoint} within {timeout.TotalSeconds} s; ")
-                + connection.Cure($"is the server running, with topic '{topic}'?"));
+                + connection.Cure($"is the server running, with topic '{topic}', or a message over 64 KB?"));
         }
 
         /// <summary>Waits for a message, then takes all that wait behind it: only the last one counts. (libzmq can keep
@@ -84,22 +95,23 @@ namespace NetMQExample
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
         public string Newest(TimeSpan timeout, CancellationToken stop = default)
         {
-            var newest = Receive(timeout, stop);
+            var newest = ReceiveFrames(timeout, stop);
             // The limit is for a publisher that sends faster than this loop takes.
             for (var i = 0; i < 10_000 && TryReceive(TimeSpan.Zero, out var later); i++) newest = later;
-            return newest;
+            return Text(newest);
         }
 
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose() => connection.Dispose();
 
-        private bool TryReceive(TimeSpan wait, out string text)
+        private static string Text(List<byte[]> frames) => string.Join(" ", frames.ConvertAll(NetMQConnection.Text));
+
+        private bool TryReceive(TimeSpan wait, out List<byte[]> frames)
         {
-            if (!connection.Socket.TryReceiveFrameString(wait, out text, out var more)) return false;
-            // Several frames are one message: its rest must not be taken for the next one.
-            while (more) connection.Socket.SkipFrame(out more);
+            frames = null;
+            if (!connection.Socket.TryReceiveMultipartBytes(wait, ref frames)) return false;
             silent.Restart();
-            connection.Show(false, new[] { text });
+            connection.Show(false, frames);
             return true;
         }
     }

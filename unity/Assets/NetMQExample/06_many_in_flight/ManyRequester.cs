@@ -5,7 +5,8 @@
 //
 // The Python side is python/06_many_in_flight/server.py.
 // Bytes: UTF-8 text, two frames each way: [id][text]. The id is a number in digits; a retry carries the same, so that
-// the server does not do twice what is at work, and a late or duplicate reply is recognised and dropped.
+// the server does not do twice what is at work, and a late or duplicate reply is recognised and dropped. The server is
+// a ROUTER: a REP takes no message without REQ's empty frame.
 // Trouble: see the header of server.py, or kill the server and start it again.
 using System;
 using System.Collections.Generic;
@@ -123,15 +124,16 @@ namespace NetMQExample
         /// <summary>The replies that are there. If the caller has all before, the first one is waited for.</summary>
         private void Receive(Queue<Answer> outcomes)
         {
-            List<string> frames = null;
+            List<byte[]> received = null;
             var wait = outcomes.Count > 0 ? TimeSpan.Zero : NetMQConnection.Slice;
             // A server may send faster than this loop takes.
             for (var i = 0; i < MostMessages; i++)
             {
-                if (!connection.Socket.TryReceiveMultipartStrings(wait, Encoding.UTF8, ref frames)) return;
+                if (!connection.Socket.TryReceiveMultipartBytes(wait, ref received)) return;
                 wait = TimeSpan.Zero;
                 heard = clock.Elapsed;
-                connection.Show(false, frames);
+                connection.Show(false, received);
+                var frames = received.ConvertAll(NetMQConnection.Text);
                 // One for a request that is not pending is late or a second one: dropped. So is a refusal, until the
                 // last try: such a request is asked again when its timeout is over.
                 if (frames.Count != 2 || !pending.TryGetValue(frames[0], out var entry)
@@ -170,7 +172,8 @@ namespace NetMQExample
         {
             var (number, text, _, attempt) = pending[id];
             var seconds = FormattableString.Invariant($"{Timeout(attempt).TotalSeconds} s");
-            var why = $"no reply in {NetMQConnection.Tries(tries)} of up to {seconds}; is the server running, or slow?";
+            var why = $"no reply in {NetMQConnection.Tries(tries)} of up to {seconds}; "
+                + "is the server running, slow, or its reply over 64 KB?";
             failed = new Answer(number, null, why);
             if (attempt == tries) return pending.Remove(id);
             report($"{number}: no reply within {seconds}; try {attempt + 1} of {tries}");

@@ -8,7 +8,7 @@
 // A refused client is told nothing: it is connected, and cut off in the handshake. NetMQ then tries again for ever and
 // libzmq never, and neither says why; so each try has a new socket, and the line says what was seen.
 using System;
-using System.Text;
+using System.Collections.Generic;
 using System.Threading;
 using NetMQ;
 using NetMQ.Monitoring;
@@ -76,7 +76,8 @@ namespace NetMQExample
                 Close();
                 if (attempt == tries)
                     throw new TimeoutException($"{NetMQConnection.Tries(tries)} to ask {endpoint}, the last: "
-                        + $"{trouble}; " + (trouble == ThrownOut ? Advice() : "is the server running?"));
+                        + $"{trouble}; "
+                        + (trouble == ThrownOut ? Advice() : "is the server running, or its reply over 64 KB?"));
                 report($"{number}: {trouble}; try {attempt + 1} of {tries}");
             }
         }
@@ -91,6 +92,7 @@ namespace NetMQExample
         private bool Try(
             string text, TimeSpan limit, CancellationToken stop, out string reply, out string trouble)
         {
+            List<byte[]> frames = null;
             reply = "";
             trouble = ThrownOut;
             var sent = false;
@@ -98,9 +100,10 @@ namespace NetMQExample
             {
                 // Without waiting: where this was refused already there is no connection to send on.
                 sent = sent || connection.TrySend(TimeSpan.Zero, stop, text);
-                if (sent && connection.Socket.TryReceiveFrameString(slice, Encoding.UTF8, out reply))
+                if (sent && connection.Socket.TryReceiveMultipartBytes(slice, ref frames))
                 {
-                    connection.Show(false, new[] { reply });
+                    connection.Show(false, frames);
+                    reply = string.Join(" ", frames.ConvertAll(NetMQConnection.Text));
                     return true;
                 }
                 reports.Poll(sent ? TimeSpan.Zero : slice);

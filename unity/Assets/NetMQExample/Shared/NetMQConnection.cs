@@ -26,6 +26,8 @@ namespace NetMQExample
         // The address that each endpoint had when a socket was connected to it.
         private static readonly ConcurrentDictionary<string, string> Known = new ConcurrentDictionary<string, string>();
 
+        private static readonly Encoding Strict = new UTF8Encoding(false, throwOnInvalidBytes: true);
+
         private readonly NetMQLifetime lifetime = new NetMQLifetime();
         private readonly string endpoint;
         private readonly Func<NetMQSocket> make;
@@ -113,6 +115,15 @@ namespace NetMQExample
             Reach(socket, endpoint);
         }
 
+        /// <summary>A frame's text. A message's is that of all its frames, with a blank between them.</summary>
+        /// <param name="frame">Its bytes.</param>
+        /// <returns>The text; of a frame that is no UTF-8 how long it is, in brackets.</returns>
+        public static string Text(byte[] frame)
+        {
+            try { return Strict.GetString(frame); }
+            catch (DecoderFallbackException) { return $"({frame.Length} bytes)"; }
+        }
+
         /// <summary>Closes a socket, with what it has not sent yet.</summary>
         /// <param name="socket">The socket, or null.</param>
         public static void Close(NetMQSocket socket)
@@ -124,13 +135,15 @@ namespace NetMQExample
         /// <summary>What to throw when nothing came, or there was nowhere to send to.</summary>
         /// <param name="endpoint">The server.</param>
         /// <param name="timeout">How long it was waited for.</param>
+        /// <param name="cure">What to look at.</param>
         /// <returns>Cause and cure, in one line.</returns>
-        public static TimeoutException NoReply(string endpoint, TimeSpan timeout) =>
-            NoReply(endpoint, timeout, "is the server running?");
+        public static TimeoutException NoReply(string endpoint, TimeSpan timeout,
+            string cure = "is the server running, or its reply over 64 KB?") => new TimeoutException(
+            FormattableString.Invariant($"no reply from {endpoint} within {timeout.TotalSeconds} s; {cure}"));
 
         /// <summary>The same for this connection.</summary>
         public TimeoutException NoReply(TimeSpan timeout) =>
-            NoReply(endpoint, timeout, Cure("is the server running?"));
+            NoReply(endpoint, timeout, Cure($"is the server running, or its reply over {maxBytes >> 10} KB?"));
 
         /// <summary>What to look at where nothing came: the network, as long as a beacon has not answered.</summary>
         /// <param name="otherwise">What to look at else.</param>
@@ -208,11 +221,13 @@ namespace NetMQExample
         /// <returns>False if none came.</returns>
         public bool TryReceive(TimeSpan timeout, CancellationToken stop, out List<string> frames)
         {
+            List<byte[]> received = null;
             frames = null;
             foreach (var slice in Slices(timeout, stop))
             {
-                if (!Socket.TryReceiveMultipartStrings(slice, Encoding.UTF8, ref frames)) continue;
-                Show(false, frames);
+                if (!Socket.TryReceiveMultipartBytes(slice, ref received)) continue;
+                Show(false, received);
+                frames = received.ConvertAll(Text);
                 return true;
             }
             return false;
@@ -268,10 +283,6 @@ namespace NetMQExample
             if (where != null) Connect(socket, where, maxBytes);
             return socket;
         }
-
-        private static TimeoutException NoReply(string endpoint, TimeSpan timeout, string cure) =>
-            new TimeoutException(FormattableString.Invariant(
-                $"no reply from {endpoint} within {timeout.TotalSeconds} s; {cure}"));
 
         // The endpoint's host, without asking a name server: this never waits.
         internal static string Host(string endpoint)
