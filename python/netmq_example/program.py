@@ -138,8 +138,8 @@ def connected(kind: int, options: argparse.Namespace, largest: int = LARGEST_BYT
         try:
             yield socket
         except zmq.Again:
-            within = f"within {options.timeout:g} s; is the server running, or its reply over {largest >> 10} KB?"
-            raise TimeoutError(f"no reply from {options.endpoint} {within}") from None
+            cure = f"is the server running, or its reply over {largest >> 10} KB?"
+            raise TimeoutError(f"no reply from {options.endpoint} within {options.timeout:g} s; {cure}") from None
 
 
 def limit(socket: Socket, largest: int = LARGEST_BYTES) -> None:

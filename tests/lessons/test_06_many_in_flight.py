@@ -136,9 +136,7 @@ def retries(router, endpoint, over):
             answers = [*odd, [request_id, b"late \xff"], [request_id, b"twice"]]
         for frames in answers:
             router.send_multipart([peer, *frames])
-    return ["1: sent echo a, received (6 bytes)", "2: sent echo b, received b"], [
-        "1: no reply within 1 s; try 2 of 9"
-    ]
+    return ["1: sent echo a, received (6 bytes)", "2: sent echo b, received b"], ["1: no reply within 1 s; try 2 of 9"]
 
 
 def same_socket(router, endpoint, over):
