@@ -32,6 +32,8 @@ LONGEST_TEXT = 4000
 EXACT = 2**53
 # The names are numpy's, and their items' sizes in bytes.
 DTYPES = {"uint8": 1, "uint16": 2, "int32": 4, "int64": 8, "float32": 4, "float64": 8}
+# How a memoryview names the items of each. Bytes, which may be any of them, are B or c there.
+FORMATS = {"uint8": "?", "uint16": "H", "int32": "il", "int64": "lq", "float32": "f", "float64": "d"}
 PLAIN = (str, int, float)
 
 
@@ -68,7 +70,7 @@ class Array:
 
     dtype: str
     shape: tuple[int, ...]
-    data: Any
+    data: Any = field(repr=False)
 
     def __post_init__(self) -> None:
         if not isinstance(self.dtype, str) or self.dtype not in DTYPES:
@@ -77,11 +79,15 @@ class Array:
             raise MessageError("bad-shape", f"a shape is whole numbers from 0, not {self.shape!a:.40}")
         try:
             view = memoryview(self.data)
-        except TypeError:
+        except (TypeError, ValueError):
             raise MessageError("wrong-type", f"an array's data is bytes, not {self.data!a:.40}") from None
         size = math.prod(self.shape) * DTYPES[self.dtype]
         if size != view.nbytes:
             raise MessageError("bad-shape", f"{self.dtype} {self.shape} is {size} contiguous bytes, not {view.nbytes}")
+        items = view.format.lstrip("@=<")
+        if items not in "Bc" and (items not in FORMATS[self.dtype] or view.itemsize != DTYPES[self.dtype]):
+            cure = f"numpy's astype('{self.dtype}') makes it so"
+            raise MessageError("bad-dtype", f"the data is no {self.dtype}, but of format '{view.format:.20}'; {cure}")
         if not view.c_contiguous:
             cure = "the data has gaps: numpy.ascontiguousarray makes it whole"
             raise MessageError("bad-shape", f"{self.dtype} {self.shape} is {size} contiguous bytes; {cure}")
@@ -118,8 +124,8 @@ class Message:
                 raise TypeError(f"arrays takes Array(dtype, shape, data), not {type(array).__name__}")
         arrays = [{"dtype": array.dtype, "shape": array.shape} for array in self.arrays]
         header = {"kind": self.kind, "version": VERSION, "id": self.id, "values": self.values, "arrays": arrays}
-        text = ENCODER.encode(header)
         self.check()
+        text = ENCODER.encode(header)
         refuse_half_characters(text, header)
         frames = [text.encode(), *(array.data for array in self.arrays)]
         refuse_too_large(frames)
@@ -138,7 +144,7 @@ class Message:
             if isinstance(value, str):
                 continue
             if not abs(value) < (math.inf if isinstance(value, float) else EXACT):
-                raise MessageError("bad-value", f"value {name!a:.40} is too large to be exact")
+                raise MessageError("bad-value", f"value {name!a:.40} is not finite, or too large to be exact")
 
 
 def read(frames: list[Any]) -> Message:
@@ -214,7 +220,8 @@ def read_reply(frames: list[Any]) -> Message:
     """The message in the frames of a reply. One of kind `error` is the MessageError that it tells of."""
     reply = read(frames)
     if reply.kind == "error":
-        raise MessageError(str(reply.values.get("code", "not said")), str(reply.values.get("text", "not said")))
+        code, text = (str(reply.values.get(name, "not said")) for name in ("code", "text"))
+        raise MessageError(code, text, reply.id)
     return reply
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import array
 import json
 import math
 import re
@@ -162,6 +163,40 @@ def test_an_array_is_as_many_bytes_as_it_says_in_one_piece():
         assert refusal.value.code == "bad-shape"
 
 
+def test_numbers_are_of_the_dtype_that_they_are_called():
+    np = pytest.importorskip("numpy", **NUMPY)
+    for dtype, data in [
+        ("float32", np.arange(4, dtype="int32")),
+        ("int32", np.arange(4, dtype="uint32")),
+        ("float32", np.arange(4, dtype=">f4")),
+        ("float64", np.arange(4)),
+        ("uint16", np.arange(4, dtype="float16")),
+        ("uint8", np.arange(4, dtype="int8")),
+        ("int64", np.array([None] * 4)),
+        ("int32", array.array("f", range(4))),
+    ]:
+        with pytest.raises(MessageError, match=rf"^bad-dtype: the data is no {dtype}, .*numpy's astype\('{dtype}'\)"):
+            Array(dtype, (4,), data)
+    for dtype in messages.DTYPES:
+        numbers = np.arange(4, dtype=dtype)
+        # Bytes are taken as whatever they are called.
+        for data in (numbers, memoryview(numbers), numbers.tobytes(), numbers.view("uint8"), zmq.Frame(numbers)):
+            assert Array(dtype, (4,), data).numpy().tolist() == [0, 1, 2, 3]
+    assert Array("uint8", (2,), np.array([False, True])).numpy().tolist() == [0, 1]
+    assert Array("int64", (4,), np.arange(4, dtype="longlong")).numpy().tolist() == [0, 1, 2, 3]
+
+
+def test_a_message_shows_no_pixels():
+    """A notebook, a debugger and an assert print it."""
+    assert len(repr(picture((240, 320, 3)))) < 200
+
+
+def test_the_error_of_a_reply_says_whose_it_is():
+    with pytest.raises(MessageError) as refusal:
+        messages.read_reply(MessageError("no", "such kind").reply(7).frames())
+    assert (refusal.value.code, refusal.value.text, refusal.value.id) == ("no", "such kind", 7)
+
+
 def test_numbers_are_read_little_endian():
     pytest.importorskip("numpy", **NUMPY)
     for dtype, data, number in [
@@ -205,6 +240,8 @@ WRONG = {
     "no values": lambda: Message("ok", 1, None).frames(),
     "a list among the values": lambda: Message("ok", 1, {"it": []}).frames(),
     "nothing among the values": lambda: Message("ok", 1, {"it": None}).frames(),
+    "a set among the values": lambda: Message("ok", 1, {"it": {1}}).frames(),
+    "a number that is none": lambda: Message("ok", 1, {"it": math.nan}).frames(),
     "a value without a text as its name": lambda: Message("ok", 1, {1: "it"}).frames(),
     "a value of 2**53": lambda: Message("ok", 1, {"it": -(2**53)}).frames(),
     "a header of more than 64 KB": lambda: Message("a" * 70_000).frames(),
@@ -242,8 +279,8 @@ def test_an_answer_that_cannot_be_written_is_answered_with_an_error(capsys):
         (lambda request: Message("ok", 1, {"a": "\ud800"}), "bad-json", "UTF-8"),
         (refusing(ValueError("my own\nmistake")), "error-in-answer", r"ValueError('my own\nmistake')"),
         (lambda request: None, "error-in-answer", "'NoneType' object has no attribute 'frames'"),
-        (lambda request: Message("ok", 0, {"x": {1}}), "error-in-answer", "Object of type set"),
-        (lambda request: Message("ok", 0, {"x": math.nan}), "error-in-answer", "JSON"),
+        (lambda request: Message("ok", 0, {"x": {1}}), "wrong-type", "must be text, a number, true or false"),
+        (lambda request: Message("ok", 0, {"x": math.nan}), "bad-value", "not finite"),
     ):
         *_, frames = messages.reply_to(answer, Message("ask", 7).frames())
         reply = messages.read(frames)
