@@ -10,12 +10,11 @@ It is a SQLite file, which also has the account that this server keeps: delete i
 import contextlib
 import os
 import sqlite3
-import traceback
 from argparse import ArgumentTypeError
 from collections.abc import Callable, Iterator
 
 from netmq_example import check
-from netmq_example.program import encoded
+from netmq_example.replies import sendable, told
 
 # FULL: a commit is on the disk when it returns. NORMAL would survive kill -9 too, but not a power cut.
 SCHEMA = """
@@ -87,7 +86,7 @@ class Journal:
                 # An empty reply would look like none.
                 reply = check.text("reply", answer(self.db, text))
                 # Before it is written down: no client would ever get it.
-                encoded(reply)
+                sendable(reply)
                 # A mistake may be asked again. Were it written down, a flood of mistakes would drive out what was done.
                 if reply.startswith("error:"):
                     # What it changed before would be changed once more by each retry.
@@ -101,8 +100,7 @@ class Journal:
             if isinstance(error, sqlite3.Error) and (reply or code & 0xFF not in MISTAKES):
                 raise
             # A mistake in the work is reported to both sides, and ends neither; what it changed is taken back.
-            traceback.print_exc()
-            return f"error: {error!r}"
+            return told(error)
         if not self.usable:
             print(f"the journal {self.path} can be used again", flush=True)
         self.usable = True

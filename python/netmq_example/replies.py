@@ -21,28 +21,45 @@ from netmq_example.trouble import Trouble
 def reply_to(answer: Callable[[str], str], request: bytes) -> bytes:
     """The reply that `answer` gives to a request. A mistake in it is reported to both sides, and ends neither."""
     try:
-        text = answer(text_of(request))
-        if not isinstance(text, str):
-            raise TypeError(f"answer returned {text!r:.40}: return a text")
-        return encoded(text, "strict")
+        return sendable(answer(text_of(request)))
     except Exception as error:
-        tell(error)
-        return f"error: {error!r}".encode()
+        return encoded(told(error))
 
 
-seen: set[tuple[type[Exception], str, int | None]] = set()
-again = Trouble(show)
+def sendable(text: str) -> bytes:
+    """What `answer` has returned, in UTF-8. Misfit says why it cannot be sent, which may lie in the request."""
+    if not isinstance(text, str):
+        raise Misfit(f"answer returned {text!r:.40}: return a text")
+    try:
+        return encoded(text, "strict")
+    except ValueError as error:
+        raise Misfit(f"answer returned what cannot be sent: {error}") from None
 
 
-def tell(error: Exception) -> None:
-    """With its traceback the first time; then it is a line a second at most, since a client may go on asking."""
-    place = traceback.extract_tb(error.__traceback__)[-1]
-    mistake = type(error), place.filename, place.lineno
-    if mistake in seen:
-        again(repr(error))
-        return
-    seen.add(mistake)
-    traceback.print_exc()
+# Each mistake that was made, by its place in the code. Each has its own line a second.
+again: dict[tuple[object, ...], Trouble] = {}
+
+
+def told(error: Exception) -> str:
+    """The reply to a request that an exception has ended, which is also printed.
+
+    With its traceback the first time; then it is a line a second at most, since a client may go on asking.
+    """
+    places = [(frame.f_code.co_filename, line) for frame, line in traceback.walk_tb(error.__traceback__)]
+    # Two servers of one program may fail in the same place, and come there on different ways.
+    mistake = (type(error), *places[:4], places[-1])
+    first = mistake not in again
+    report = again.setdefault(mistake, Trouble(show))
+    text = str(error) if isinstance(error, Misfit) else repr(error)
+    if first and not isinstance(error, Misfit):
+        traceback.print_exc()
+    else:
+        report(text)
+    return f"error: {printable(text, LONGEST_MISTAKE)}"
+
+
+# In characters. A longer reply than the limit would be dropped by the client, with the connection.
+LONGEST_MISTAKE = 1000
 
 
 class Misfit(KeyError):
@@ -65,21 +82,10 @@ class Fields(dict[str, Any]):
 def json_answer(answer: Callable[[dict[str, Any]], dict[str, Any]]) -> Callable[[str], str]:
     """Write @json_answer above `answer(state: dict) -> dict`: both are JSON objects on the wire.
 
-    A request that is none or lacks a key, and a result that cannot be written as one, become the reply `error: …`. The
-    server prints the reason too, a line a second at most.
+    A request that is none or lacks a key, and a result that cannot be written as one, are a Misfit, which reply_to
+    answers with `error: …`. The server prints the reason too, a line a second at most.
     """
-
-    report = Trouble(show)
-
-    @functools.wraps(answer)
-    def in_json(text: str) -> str:
-        try:
-            return write(answer(read(text)))
-        except Misfit as error:
-            report(str(error))
-            return f"error: {error}"
-
-    return in_json
+    return functools.wraps(answer)(lambda text: write(answer(read(text))))
 
 
 def refuse_constant(name: str) -> None:

@@ -199,20 +199,40 @@ def test_a_client_does_not_wait_for_ever_to_send(kind, run):
 
 def test_a_mistake_in_ones_own_answer_is_told_to_both_sides(capsys, monkeypatch):
     # Each has its traceback once.
-    monkeypatch.setattr(replies, "seen", set())
+    monkeypatch.setattr(replies, "again", {})
 
-    def answer(text):
-        if text == "raise":
-            raise ValueError("no\nsuch world")
-        return {"none": None, "half": "\ud800"}[text]
+    def raising(text):
+        raise ValueError(text)
 
-    for text, reply in {
-        b"raise": b"error: ValueError('no\\nsuch world')",
-        b"none": b"error: TypeError('answer returned None: return a text')",
-        b"half": b"error: UnicodeEncodeError(",
-    }.items():
-        assert replies.reply_to(answer, text).startswith(reply)
-        assert "Traceback" in capsys.readouterr().err
+    # Two servers of one program whose answers fail in the same line.
+    for text, reply, answer in (
+        (b"no\nsuch world", b"error: ValueError('no\\nsuch world')", lambda text: raising(text)),
+        # A client hangs up on a reply of more than 64 KB.
+        (b"x" * 65_000, b"error: ValueError('xxx", lambda text: raising(text * 2)),
+    ):
+        for again in (False, True):
+            got = replies.reply_to(answer, text)
+            assert got.startswith(reply) and len(got) < 1100
+            said = capsys.readouterr()
+            assert (again, not again) == ("trouble: ValueError" in said.out, "Traceback" in said.err)
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        (None, "None: return a text"),
+        ("\ud800", "what cannot be sent: 'utf-8' codec can't encode"),
+        ("ü" * 40_000, "what cannot be sent: a text of 80000 bytes, more than 65536"),
+    ],
+    ids=["none", "half a character", "a long one"],
+)
+def test_an_answer_that_cannot_be_sent_is_one_line(text, why, capsys, monkeypatch):
+    """It may be the fault of whoever asked."""
+    monkeypatch.setattr(replies, "again", {})
+    line = f"answer returned {why}"
+    assert replies.reply_to(lambda request: text, b"ask").startswith(f"error: {line}".encode())
+    said = capsys.readouterr()
+    assert said.out.startswith(f"trouble: {line}") and said.out.count("\n") == 1 and not said.err
 
 
 IN_THE_MIDDLE = """
