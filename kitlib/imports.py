@@ -62,6 +62,9 @@ def read(path: Path) -> Source:
         match node:
             case ast.FunctionDef() | ast.AsyncFunctionDef():
                 function = node.name
+            case ast.If(test=ast.Name(id="TYPE_CHECKING")):
+                # The names that __getattr__ has, for a type checker.
+                function = "__getattr__"
             case ast.Import():
                 source.imports += [(function, each.name) for each in node.names]
             case ast.ImportFrom(module=str(module)):

@@ -45,11 +45,25 @@ MYPY = [
 ]
 
 
+OWN = """
+from netmq_example.envs import NoSuchName, UnityAECEnv, ZmqEnv
+
+reveal_type(ZmqEnv("CartPole"))
+reveal_type(UnityAECEnv())
+"""
+
+
 def test_mypy(tmp_path):
     # A cache of an earlier run can hide that a package has no types; and mypy knows the functions of one system.
     flags = ["--platform", "linux", "--explicit-package-bases", "--cache-dir", tmp_path]
     for files in MYPY:
         check(sys.executable, "-m", "mypy", *flags, *files)
+    # In a program of one's own a name that does not exist is found, and one that does has its type.
+    (tmp_path / "own.py").write_text(OWN, encoding="utf-8")
+    done = finished([sys.executable, "-m", "mypy", *flags, tmp_path / "own.py"], timeout=900, cwd=ROOT)
+    assert 'Module "netmq_example.envs" has no attribute "NoSuchName"' in done.stdout, done.stdout + done.stderr
+    for name in ("gym_env.ZmqEnv", "unity_parallel_env.UnityAECEnv"):
+        assert f"netmq_example.envs.{name}" in done.stdout, done.stdout
 
 
 PROJECTS = [path for tree in ("csharp-*", "lab", "tests") for path in ROOT.glob(f"{tree}/**/*.csproj")]

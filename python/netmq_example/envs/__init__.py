@@ -10,13 +10,21 @@
 The last form is Gymnasium's own: it imports the module before the colon. Its versions before 1.0 also called what an
 entry point names; today's do not.
 A class is imported when it is first used, as in `from netmq_example.envs import ZmqParallelEnv`. Only those for several
-agents need pettingzoo. A type checker, which imports nothing, finds each class in its own module, see MODULES.
+agents need pettingzoo. A type checker, which imports nothing, finds them as well.
 """
 
 import importlib
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from netmq_example.errors import pip_install
+
+if TYPE_CHECKING:
+    from netmq_example.envs.gym_env import ZmqEnv
+    from netmq_example.envs.parallel_env import ZmqParallelEnv
+    from netmq_example.envs.unity_env import UnityGymEnv
+    from netmq_example.envs.unity_parallel_env import UnityAECEnv, UnityParallelEnv
+    from netmq_example.envs.unity_vector_env import UnityVectorEnv
+    from netmq_example.envs.vector_env import ZmqVectorEnv
 
 
 def without(error: ImportError) -> ImportError:
@@ -40,7 +48,16 @@ MODULES = {
     "ZmqParallelEnv": "netmq_example.envs.parallel_env",
     "ZmqVectorEnv": "netmq_example.envs.vector_env",
 }
-__all__ = [*MODULES, "register"]
+__all__ = [
+    "UnityAECEnv",
+    "UnityGymEnv",
+    "UnityParallelEnv",
+    "UnityVectorEnv",
+    "ZmqEnv",
+    "ZmqParallelEnv",
+    "ZmqVectorEnv",
+    "register",
+]
 WORLD = {
     "entry_point": "netmq_example.envs.gym_env:ZmqEnv",
     "vector_entry_point": "netmq_example.envs.vector_env:ZmqVectorEnv",
@@ -62,13 +79,16 @@ def register() -> None:
             registration.register(name, **words)
 
 
-def __getattr__(name: str) -> Any:
-    if name in MODULES:
-        try:
-            return getattr(importlib.import_module(MODULES[name]), name)
-        except ImportError as error:
-            raise without(error) from None
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+# Hidden from a type checker, to which any name would exist.
+if not TYPE_CHECKING:
+
+    def __getattr__(name: str) -> Any:
+        if name in MODULES:
+            try:
+                return getattr(importlib.import_module(MODULES[name]), name)
+            except ImportError as error:
+                raise without(error) from None
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 register()

@@ -1,7 +1,7 @@
 """What the environments of this package share: how they are copied, what they send, and what they refuse."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from gymnasium import logger
@@ -24,8 +24,8 @@ class MadeAnew:
 
     words: tuple[tuple[Any, ...], dict[str, Any]] = ((), {})
 
-    def __new__(cls, *args: Any, **kwargs: Any) -> Any:
-        made: Any = super().__new__(cls)
+    def __new__(cls, *args: Any, **kwargs: Any) -> Self:
+        made = super().__new__(cls)
         made.words = (args, kwargs)
         return made
 
