@@ -1,7 +1,7 @@
 """A client for a game: it asks on a thread of its own, so that no frame ever waits.
 
     client = BackgroundClient("tcp://127.0.0.1:5554")     once
-    client.request("hello", print, print)                 whenever you like: callbacks for reply and error
+    client.request("hello", print, print)                 whenever you like, on any thread: for reply and error
     client.poll()                                         once a frame: the callbacks run here
     client.close()                                        at the end
 
@@ -41,6 +41,8 @@ class BackgroundClient(OneProcess):
         # State and last error, in one variable: a reader never gets those of two moments. Only a reply proves that the
         # server is there: Connecting, Connected, Retrying, Lost, Disposed.
         self.status = ("Connecting", "")
+        # Together with what they guard: which text and which callbacks belong together is known by their order alone.
+        self.gate = threading.Lock()
         # Callbacks, in the order of their requests, in which these end as well. The thread has none of them.
         self.calls: deque[tuple[Callback, Callback]] = deque()
         self.waiting: Waiting = queue.SimpleQueue()
@@ -57,10 +59,11 @@ class BackgroundClient(OneProcess):
         self.check_process()
         check.instance("text", text, str)
         call = (check.function("reply", reply), check.function("error", error))
-        if self.pirate.stopped.is_set() or self.under_way == self.capacity:
-            return False
-        self.calls.append(call)
-        self.waiting.put(text)
+        with self.gate:
+            if self.pirate.stopped.is_set() or self.under_way == self.capacity:
+                return False
+            self.calls.append(call)
+            self.waiting.put(text)
         return True
 
     @property
@@ -69,18 +72,22 @@ class BackgroundClient(OneProcess):
         return len(self.calls)
 
     def poll(self) -> None:
-        """Run the callbacks of what has ended. Call it once a frame, on the thread that calls request()."""
+        """Run the callbacks of what has ended, on this thread. Call it once a frame."""
         # Only what is there now: callbacks that ask again must not make one frame last for ever.
         for _ in range(self.done.qsize()):
-            # A callback that closed this client has run those after it already.
-            if self.done.empty():
-                break
-            which, text = self.done.get()
-            self.calls.popleft()[which](text)
+            with self.gate:
+                # A callback that closed this client, or another thread, has run those after it already.
+                if self.done.empty():
+                    break
+                which, text = self.done.get()
+                call = self.calls.popleft()
+            call[which](text)
 
     def close(self) -> None:
         """End the thread. The error callback of every request that has no reply yet runs before this returns."""
-        self.end()
+        # A request on another thread is behind it, and refused, or before it, and ended.
+        with self.gate:
+            self.end()
         self.thread.join(5)
         self.status = ("Disposed", self.status[1])
         try:

@@ -77,6 +77,13 @@ def instance(name: str, value: T, *kinds: Any) -> T:
     raise TypeError(f"{name} takes {article} {words}, not {value!r:.40}")
 
 
+def blocking(name: str, value: T, *kinds: Any) -> T:
+    """The same for a context or a socket. Those of zmq.asyncio derive from pyzmq's own, but their calls do not wait."""
+    if any(kind.__module__ == "zmq.asyncio" for kind in type(value).__mro__):
+        raise TypeError(f"{name} is one of zmq.asyncio: take one of zmq, and await its calls by asyncio.to_thread")
+    return instance(name, value, *kinds)
+
+
 def function(name: str, value: T) -> T:
     """Something that can be called."""
     if callable(value):

@@ -17,7 +17,7 @@ import zmq
 from netmq_example import check
 from netmq_example.beacon import BeaconSearch
 from netmq_example.errors import GaveUp, tried
-from netmq_example.one_process import OneProcess
+from netmq_example.one_process import OneProcess, one_at_a_time
 from netmq_example.program import Context, Socket, encoded, limit, longer, printable, text_of
 
 # The longest wait in one piece, in milliseconds: between two of them stop() is noticed and, on Windows, Ctrl-C.
@@ -41,7 +41,7 @@ class LazyPirate(OneProcess):
 
         `report` is called with a line before each retry.
         """
-        self.context = check.not_closed("context", check.instance("context", context, zmq.Context))
+        self.context = check.not_closed("context", check.blocking("context", context, zmq.Context))
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5552", beacon=True)
         self.search = BeaconSearch(endpoint)
         self.timeout = check.seconds("timeout", timeout)
@@ -53,9 +53,9 @@ class LazyPirate(OneProcess):
         self.socket: Socket | None = None
         self.stopped = threading.Event()
 
+    @one_at_a_time
     def request(self, text: str) -> str:
         """The reply. TimeoutError: no try was answered, but it may be done. GaveUp: it is too long, or was stopped."""
-        self.check_process()
         if not self.stopped.is_set():
             check.not_closed("context", self.context)
         self.number += 1

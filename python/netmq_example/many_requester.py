@@ -17,8 +17,9 @@ from dataclasses import dataclass
 import zmq
 
 from netmq_example import check
+from netmq_example.beacon import cure
 from netmq_example.errors import tried
-from netmq_example.one_process import OneProcess
+from netmq_example.one_process import OneProcess, one_at_a_time
 from netmq_example.program import LARGEST_BYTES, Context, limit, longer, text_of
 
 # The deadlines are checked this often. Shorter would cost more. Longer, and Ctrl-C would have to wait on Windows.
@@ -54,7 +55,7 @@ class ManyRequester(OneProcess):
 
         `report` is called with a line before each retry.
         """
-        self.context = check.not_closed("context", check.instance("context", context, zmq.Context))
+        self.context = check.not_closed("context", check.blocking("context", context, zmq.Context))
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5556")
         self.window = check.count("window", window)
         self.timeout = check.seconds("timeout", timeout)
@@ -81,13 +82,13 @@ class ManyRequester(OneProcess):
     def close(self) -> None:
         self.socket.close()
 
+    @one_at_a_time
     def request_many(self, texts: Iterable[str]) -> Iterator[tuple[int, str, str]]:
         """Each request's number from 1 on, with its reply or the reason why there is none, in order of arrival.
 
         It takes the next text when there is room for it, so `texts` may be endless; but what makes them must not wait:
         no reply is read meanwhile.
         """
-        self.check_process()
         check.not_closed("this requester", self.socket)
         if isinstance(texts, str) or not isinstance(texts, Iterable):
             raise TypeError(f"texts takes a list of texts, not {texts!r:.40}")
@@ -142,6 +143,7 @@ class ManyRequester(OneProcess):
         """A request that waits for too long is sent again with its old id, or given up."""
         now = time.monotonic()
         late = {key: entry for key, entry in self.pending.items() if entry.sent + entry.timeout <= now}
+        question = "is the server running, slow, or its reply over 64 KB?"
         if any(self.heard <= entry.sent for entry in late.values()):
             # Nothing was received since then, neither for it nor for others: a new socket helps, whatever is wrong.
             self.close()
@@ -149,12 +151,13 @@ class ManyRequester(OneProcess):
             # All that was under way on it is lost. To send it again before its timeout is over is not another try.
             for request_id in self.pending.keys() - late:
                 self.send(request_id, self.pending[request_id])
+            if any(entry.attempt == self.tries for entry in late.values()):
+                question = cure(self.endpoint, question)
         for request_id, entry in late.items():
             within = f"{entry.timeout:g} s"
             if entry.attempt == self.tries:
                 del self.pending[request_id]
-                cure = "is the server running, slow, or its reply over 64 KB?"
-                yield entry.number, "", f"no reply in {tried(self.tries)} of up to {within}; {cure}"
+                yield entry.number, "", f"no reply in {tried(self.tries)} of up to {within}; {question}"
                 continue
             entry.timeout = longer(self.timeout, entry.attempt)
             entry.attempt += 1

@@ -24,6 +24,7 @@ from typing import NamedTuple
 import zmq
 
 from netmq_example import check
+from netmq_example.beacon import cure
 from netmq_example.errors import GaveUp
 from netmq_example.one_process import OneProcess
 from netmq_example.program import SLICE_MS, Socket, encoded, limit
@@ -107,7 +108,7 @@ class PoseSubscriber(OneProcess):
         report: Callable[[str], object] = print,
     ) -> None:
         """The stream is a new SUB socket, which the caller closes; `report` gets a line about what was missed."""
-        self.stream = check.instance("stream", stream, zmq.Socket)
+        self.stream = check.blocking("stream", stream, zmq.Socket)
         if stream.type != zmq.SUB:
             raise ValueError(f"stream takes a SUB socket, not {stream.type!s:.40}")
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5557")
@@ -184,10 +185,11 @@ class PoseSubscriber(OneProcess):
                 pose = parse(message)
                 if pose and re.fullmatch("[0-9]{1,10}", checksum) and int(checksum) < 2**32:
                     return int(checksum), pose
-                cure = "is that lesson 07's second port?"
-                raise GaveUp(f"what answers at {self.snapshots} gives no snapshots: {text!r:.80}; {cure}")
+                question = "is that lesson 07's second port?"
+                raise GaveUp(f"what answers at {self.snapshots} gives no snapshots: {text!r:.80}; {question}")
             wait *= 4
-        raise TimeoutError(f"no snapshot from {self.snapshots} within {timeout:g} s; is the server running?")
+        why = cure(self.snapshots, "is the server running?")
+        raise TimeoutError(f"no snapshot from {self.snapshots} within {timeout:g} s; {why}")
 
 
 def take(socket: Socket, timeout: float) -> str | None:

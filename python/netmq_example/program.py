@@ -23,13 +23,12 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from socket import getaddrinfo
 from typing import Any, TypeVar
 
 import zmq
 
 from netmq_example import check, interrupts
-from netmq_example.beacon import answering, beacon_name
+from netmq_example.beacon import answering, beacon_name, cure, unknown_host
 from netmq_example.console import unhindered
 from netmq_example.errors import GaveUp
 
@@ -138,8 +137,8 @@ def connected(kind: int, options: argparse.Namespace, largest: int = LARGEST_BYT
         try:
             yield socket
         except zmq.Again:
-            cure = f"is the server running, or its reply over {largest >> 10} KB?"
-            raise TimeoutError(f"no reply from {options.endpoint} within {options.timeout:g} s; {cure}") from None
+            why = cure(options.endpoint, f"is the server running, or its reply over {largest >> 10} KB?")
+            raise TimeoutError(f"no reply from {options.endpoint} within {options.timeout:g} s; {why}") from None
 
 
 def limit(socket: Socket, largest: int = LARGEST_BYTES) -> None:
@@ -277,13 +276,8 @@ def client_endpoint(example: str, beacon: bool = False) -> Callable[[str], str]:
     """The type of an endpoint to connect to. Its host must be known: libzmq would wait for one that does not exist."""
 
     def known(text: str) -> str:
-        scheme, _, place = checked(text, example, 1, beacon).partition("://")
-        host = place.rpartition(":")[0]
-        try:
-            if scheme != "beacon":
-                getaddrinfo(host, None)
-        except (OSError, UnicodeError):
-            raise argparse.ArgumentTypeError(f"bad endpoint '{text}': unknown host '{host}'; check it") from None
+        if unknown := unknown_host(checked(text, example, 1, beacon)):
+            raise argparse.ArgumentTypeError(f"bad endpoint '{text}': {unknown}; check it")
         return text
 
     return known

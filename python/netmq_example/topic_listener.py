@@ -13,7 +13,7 @@ import time
 import zmq
 
 from netmq_example import check
-from netmq_example.beacon import BeaconSearch
+from netmq_example.beacon import LOOK_UP_SECONDS, BeaconSearch
 from netmq_example.program import SLICE_MS, Socket, limit, text_of
 
 # A silent publisher, such as a laptop that sleeps, is asked so often, and gets a new connection, for which libzmq looks
@@ -31,7 +31,7 @@ class TopicListener:
 
     def __init__(self, socket: Socket, endpoint: str, topic: str) -> None:
         """The socket is a new SUB socket, which the caller closes; an empty topic means every message."""
-        self.socket = check.not_closed("socket", check.instance("socket", socket, zmq.Socket))
+        self.socket = check.not_closed("socket", check.blocking("socket", socket, zmq.Socket))
         if socket.type != zmq.SUB:
             raise ValueError("socket takes a SUB socket")
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5553", beacon=True)
@@ -68,7 +68,10 @@ class TopicListener:
             except zmq.Again:
                 waited = time.monotonic() - start
             if waited >= timeout:
-                why = self.search.cure(f"is the server running, with topic '{self.topic}', or a message over 64 KB?")
+                why = f"is the server running, with topic '{self.topic}', or a message over 64 KB?"
+                # A look-up takes its time, which is none of whoever waits for less.
+                if self.search.name or timeout >= LOOK_UP_SECONDS:
+                    why = self.search.cure(why)
                 raise TimeoutError(f"nothing from {self.endpoint} within {timeout:g} s; {why}")
             if waited >= renew and (self.search.name or not self.heard):
                 self.looking = True

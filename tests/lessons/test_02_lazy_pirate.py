@@ -10,6 +10,7 @@ import sqlite3
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 import zmq
@@ -375,6 +376,24 @@ def test_a_request_that_cannot_be_sent_is_refused_at_once(context):
         pirate.request("add 1")
 
 
+def test_a_second_thread_is_refused_while_one_asks(context):
+    said = []
+
+    def ask_beside(line):
+        # What the other thread is told; and what this one would tell of it, were it not refused.
+        said.append(line)
+        if len(said) == 1:
+            with ThreadPoolExecutor(1) as pool:
+                said.append(pool.submit(pirate.request, "balance").exception(LIMIT))
+            pirate.stop()
+
+    pirate = LazyPirate(context, steady_endpoint(), 0.1, 2, ask_beside)
+    with pytest.raises(GaveUp):
+        pirate.request("balance")
+    assert [type(each) for each in said] == [str, RuntimeError]
+    assert str(said[1]) == "this LazyPirate has not ended what it does: wait for that, or make a second LazyPirate"
+
+
 def test_a_context_that_is_ended_is_named():
     ended = zmq.Context()
     pirate = LazyPirate(ended, steady_endpoint(), tries=1, timeout=0.1)
@@ -386,7 +405,8 @@ def test_a_context_that_is_ended_is_named():
             use()
 
 
-def test_a_journal_refuses_what_it_could_not_keep(journal, capsys):
+def test_a_journal_refuses_what_it_could_not_keep(journal, capsys, monkeypatch):
+    monkeypatch.setattr("netmq_example.replies.again", {})
     for path in (None, 0, 5):
         with pytest.raises(TypeError, match=r"^path takes a str"):
             Journal(path)
@@ -405,7 +425,10 @@ def test_a_journal_refuses_what_it_could_not_keep(journal, capsys):
 
     assert book.do(b"1", "", raises) == "error: KeyError('no such\\nkey')"
     assert book.do(b"1", "", lambda db, text: str(db.execute("SELEKT 1"))).startswith("error: OperationalError(")
-    assert capsys.readouterr().err.count("Traceback") == 5
+    # One for each place, and none for what is too long to be sent.
+    assert book.do(b"1", "x" * 66_000, lambda db, text: text).startswith("error: answer returned what cannot be sent: ")
+    assert len(book.do(b"1", "x" * 66_000, lambda db, text: [][text])) < 1100
+    assert capsys.readouterr().err.count("Traceback") == 4
     assert book.db.execute("SELECT balance FROM account").fetchone() == (0,), "what it changed is taken back"
 
     def refuses(db, text):

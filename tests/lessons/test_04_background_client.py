@@ -7,6 +7,8 @@ import importlib.util
 import itertools
 import random
 import re
+import sys
+import threading
 import time
 
 import pytest
@@ -257,6 +259,30 @@ def test_each_request_to_the_python_client_ends_once():
         assert ends == ["the client was disposed"] * 5
 
 
+def test_each_outcome_reaches_its_own_callback_whichever_threads_ask():
+    got: list[tuple[int, str]] = []
+    interval = sys.getswitchinterval()
+    with contextlib.closing(BackgroundClient("tcp://127.0.0.1:5554", capacity=20_000)) as client:
+
+        def ask(text):
+            # It is too long, so that its end needs no server, and names it by its length.
+            for _ in range(3000):
+                client.request(text, print, lambda why: got.append((len(text), why)))
+
+        threads = [threading.Thread(target=ask, args=("x" * (66_000 + number),)) for number in range(8)]
+        sys.setswitchinterval(1e-6)
+        try:
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join()
+        finally:
+            sys.setswitchinterval(interval)
+        assert client.under_way == 20_000, "it is full"
+        until(lambda: not client.under_way, client)
+    assert [pair for pair in got if f"a text of {pair[0]} bytes" not in pair[1]] == []
+
+
 def test_a_callback_that_asks_again_does_not_make_one_frame_last_for_ever():
     with contextlib.closing(BackgroundClient("tcp://127.0.0.1:5554")) as client:
         ends: list[str] = []
@@ -382,6 +408,7 @@ def test_a_retry_is_answered_from_memory(monkeypatch, capsys):
     assert capsys.readouterr().err.count("Traceback") == 1
 
 
+LESSON = b"lesson 05 carries more"
 REQUESTS = {
     "hello": ([b"1", b"hello"], [b"1", b"world"]),
     "echo": ([b"1", "echo grün ✓".encode()], [b"1", "grün ✓".encode()]),
@@ -405,7 +432,7 @@ def test_what_the_server_answers(serve, context):
         for request, reply in REQUESTS.values():
             asker.send_multipart(request)
             assert asker.poll(LIMIT * 1000) and asker.recv_multipart() == reply
-    # It prints after it has replied; and what is an error to its client is no line here.
+    # It prints after it has replied; and what is an error to its client is no line here, except for an answer's own.
     server.wait_for("the last")
     assert len(server.lines) == 1 + sum(not reply.startswith(b"error") for _, (*_, reply) in REQUESTS.values())
     assert max(map(len, server.lines)) < 100 and "Traceback" not in server.output

@@ -309,6 +309,16 @@ def test_requests_that_are_no_texts_are_named(context):
     assert {failure for _, _, failure in outcomes} == {"not sent: 65538 bytes, and the limit is 65536"}
 
 
+def test_two_iterations_of_one_requester_take_nothing_from_each_other(context):
+    with contextlib.closing(ManyRequester(context, steady_endpoint())) as requester:
+        left = requester.request_many(["ü" * 32_769, "echo one"])
+        assert next(left)[0] == 1
+        with pytest.raises(RuntimeError, match=r"^this ManyRequester has not ended what it does: wait "):
+            next(requester.request_many(["echo two"]))
+        left.close()
+        assert [number for number, _, _ in requester.request_many(["ü" * 32_769])] == [1]
+
+
 def test_a_caller_that_takes_its_time_gets_every_reply(context, monkeypatch):
     now = [0.0]
     monkeypatch.setattr(many_requester, "time", SimpleNamespace(monotonic=lambda: now[0]))
@@ -431,6 +441,10 @@ def test_what_the_server_answers_and_whom_it_refuses(serve, connect, context):
     assert ask(client, b"", b"8", b"sleep 0.01") == [b"", b"8", b"slept 0.01"]
     assert ask(connect(endpoint, zmq.REQ), b"8", b"echo b") == [b"8", b"b"]
     assert ask(connect(endpoint, zmq.REQ), b"sleep 0.01") == [b"slept 0.01"]
+
+    # An answer of three times as many bytes as the request: each that is no UTF-8 becomes three.
+    assert ask(client, b"9", b"echo " + b"\xff" * 30_000)[1].startswith(b"error: answer returned what cannot be sent: ")
+    assert "Traceback" not in server.output
 
     # The longest request, and what was sent behind one that is too long, over another connection.
     assert ask(client, b"1", b"echo " + b"x" * 65_000) == [b"1", b"x" * 65_000]

@@ -3,10 +3,22 @@
 The others make a new socket, which looks the name up, for each try.
 """
 
+import contextlib
 import signal
 
 import pytest
+import zmq
 
+from netmq_example.background_client import BackgroundClient
+from netmq_example.camera.client import DriverClient
+from netmq_example.jobs.client import JobClient
+from netmq_example.lazy_pirate import LazyPirate
+from netmq_example.many_requester import ManyRequester
+from netmq_example.messages import Message
+from netmq_example.pose_stream import PoseSubscriber
+from netmq_example.security.requester import SecureRequester
+from netmq_example.side_channel.carrier import ClientCarrier
+from netmq_example.topic_listener import TopicListener
 from tests.programs import MovingName, steady_port
 
 # What the client is told, and the line by which it has found a server.
@@ -58,3 +70,61 @@ def test_a_name_that_nobody_knows_for_a_while(key, kind, serve, start, client_co
     name.move("127.0.0.3")
     serve(key, endpoint=f"tcp://127.0.0.3:{port}")
     client.wait_for(served, limit=30, start=len(client.lines))
+
+
+def request_in_background(context, where):
+    why = []
+    with contextlib.closing(BackgroundClient(where, 0.1, 1)) as client:
+        client.request("hello", why.append, why.append)
+        while not why:
+            client.poll()
+    return why[0]
+
+
+def receive_action(context, where):
+    why = []
+    client = DriverClient(context, where, 0.1, 2, why.append)
+    client.send(Message("frame", 1))
+    assert client.receive() is None
+    return why[0]
+
+
+def listen(context, where):
+    with context.socket(zmq.SUB) as socket:
+        TopicListener(socket, where, "").receive(3)
+
+
+def exchange(context, where):
+    carrier = ClientCarrier(context, where, timeout=0.1)
+    while True:
+        carrier.exchange(b"", 0.1)
+
+
+def snapshot(context, where):
+    with context.socket(zmq.SUB) as stream:
+        PoseSubscriber(stream, "tcp://127.0.0.1:5557", where).ask(0.1)
+
+
+UNKNOWN = {
+    "LazyPirate": lambda context, where: LazyPirate(context, where, 0.1, 1).request("hello"),
+    "BackgroundClient": request_in_background,
+    "ManyRequester": lambda context, where: next(ManyRequester(context, where, 1, 0.1, 1).request_many(["a"]))[2],
+    "TopicListener": listen,
+    "PoseSubscriber": snapshot,
+    "SecureRequester": lambda context, where: SecureRequester(context, where, None, 0.1, 1).request("hello"),
+    "DriverClient": receive_action,
+    "ClientCarrier": exchange,
+    "JobClient": lambda context, where: list((job := JobClient(context, where, None, 0.1, 1)).watch(job.ask("status"))),
+}
+
+
+@pytest.mark.parametrize("ask", UNKNOWN.values(), ids=UNKNOWN)
+def test_a_name_that_nobody_knows_is_the_reason_that_is_given(ask):
+    """libzmq looks a name up again and again, and does not say that it is in vain."""
+    with zmq.Context() as context:
+        try:
+            why = ask(context, "tcp://no-such.invalid:5552")
+        except TimeoutError as error:
+            why = str(error)
+        context.destroy()
+    assert "; unknown host 'no-such.invalid': is it spelt so, and is the network there?" in why

@@ -13,6 +13,7 @@ import shlex
 import subprocess
 import sys
 import threading
+from typing import Any
 
 import pytest
 import zmq
@@ -41,6 +42,13 @@ def modules():
 def classes(kind):
     found = {each for module in modules() for _, each in inspect.getmembers(module, inspect.isclass)}
     return [each for each in found if issubclass(each, kind) and each.__module__.startswith("netmq_example")]
+
+
+def test_a_class_stays_visible_to_a_type_checker():
+    """To pyright and Pylance a call makes what __new__ returns. Any has no methods that they could offer."""
+    made = {kind.__name__: kind.__new__.__annotations__ for kind in classes(object) if "__new__" in vars(kind)}
+    assert {"OneProcess"} <= made.keys()
+    assert [name for name, hints in made.items() if hints.get("return") is Any] == []
 
 
 # An error comes whole

@@ -4,11 +4,17 @@ from __future__ import annotations
 
 import pytest
 import zmq
+import zmq.asyncio
 
 from netmq_example.background_client import BackgroundClient
+from netmq_example.camera.client import DriverClient
+from netmq_example.jobs.client import JobClient
 from netmq_example.lazy_pirate import LazyPirate
 from netmq_example.many_requester import ManyRequester
 from netmq_example.pose_stream import PoseSubscriber, snapshots_beside
+from netmq_example.security.requester import SecureRequester
+from netmq_example.side_channel.carrier import Carrier, ClientCarrier
+from netmq_example.side_channel.side_channel_manager import SideChannelManager
 from netmq_example.topic_listener import TopicListener
 from netmq_example.worker_threads import WorkerThreads
 
@@ -63,6 +69,24 @@ def test_what_only_one_of_them_refuses(context):
             "bad endpoint 'tcp://127.0.0.1'": lambda: snapshots_beside("tcp://127.0.0.1"),
         }.items():
             with pytest.raises(ValueError, match=f"^{says}"):
+                make()
+
+
+def test_what_is_of_zmq_asyncio_is_refused_with_the_cure():
+    """Its classes derive from those of zmq, and a call of theirs would return a future."""
+    with zmq.asyncio.Context() as context, context.socket(zmq.SUB) as sub, context.socket(zmq.ROUTER) as router:
+        for make in (
+            lambda: LazyPirate(context, WHERE),
+            lambda: ManyRequester(context, WHERE),
+            lambda: SecureRequester(context, WHERE),
+            lambda: DriverClient(context, WHERE),
+            lambda: JobClient(context, WHERE),
+            lambda: ClientCarrier(context, WHERE),
+            lambda: TopicListener(sub, WHERE, ""),
+            lambda: PoseSubscriber(sub, WHERE),
+            lambda: Carrier(router, SideChannelManager, print),
+        ):
+            with pytest.raises(TypeError, match=r"^\w+ is one of zmq.asyncio: take one of zmq, .* asyncio.to_thread$"):
                 make()
 
 

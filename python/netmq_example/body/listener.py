@@ -68,7 +68,7 @@ def parse(message: str) -> BodyPose | None:
 class BodyListener:
     def __init__(self, socket: zmq.Socket[bytes], endpoint: str, topic: str) -> None:
         """The socket is a new SUB socket, which the caller closes; the topic is pose/0/, say, or hand/left/."""
-        check.instance("socket", socket, zmq.Socket)
+        check.blocking("socket", socket, zmq.Socket)
         check.endpoint(endpoint, "tcp://127.0.0.1:5570", beacon=True)
         if not re.fullmatch(TOPIC, check.text("topic", topic)):
             raise ValueError(f"topic takes pose/0/, hand/left/ or hand/right/, not {topic!r:.40}")

@@ -75,7 +75,7 @@ class DriverClient(OneProcess):
         tries: int = 5,
         log: Callable[[str], object] = print,
     ) -> None:
-        self.context = check.instance("context", context, zmq.Context)
+        self.context = check.blocking("context", context, zmq.Context)
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5558", beacon=True)
         self.search = BeaconSearch(endpoint)
         # The message that waits until the server is found, and where that is.

@@ -49,7 +49,8 @@ class Connection(OneProcess):
         self.timeout = check.seconds("timeout", timeout)
         if not hasattr(socket, "recv_multipart"):
             raise TypeError(f"socket takes a bound ROUTER socket, not {socket!r:.40}")
-        self.socket = socket
+        # Lesson 17's socket is none of pyzmq's.
+        self.socket = check.blocking("socket", socket, object)
         self.endpoint = socket.getsockopt_string(zmq.LAST_ENDPOINT)
         # To send to a peer that is gone is then an error, and not silence.
         socket.router_mandatory = True

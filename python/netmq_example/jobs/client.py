@@ -24,7 +24,7 @@ from netmq_example import check
 from netmq_example.beacon import BeaconSearch
 from netmq_example.errors import GaveUp, tried
 from netmq_example.messages import LIMIT, Message, MessageError, read, take
-from netmq_example.one_process import OneProcess
+from netmq_example.one_process import OneProcess, one_at_a_time
 from netmq_example.program import limit, longer
 
 STATUSES = ("succeeded", "canceled", "aborted")
@@ -78,7 +78,7 @@ class JobClient(OneProcess):
         tries: int = 5,
         report: Callable[[str], object] = print,
     ) -> None:
-        self.context = check.instance("context", context, zmq.Context)
+        self.context = check.blocking("context", context, zmq.Context)
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5564", beacon=True)
         self.search = BeaconSearch(endpoint)
         # An id must never come twice, whichever program makes one: hence the uuid.
@@ -108,6 +108,7 @@ class JobClient(OneProcess):
         """Another request about the job, for `watch`: `status` or `forget`."""
         return Message(check.text("verb", verb), values={"job": self.job, **values})
 
+    @one_at_a_time
     def watch(self, request: Message) -> Iterator[Message]:
         """The news of the job, up to its result.
 

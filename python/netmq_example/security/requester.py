@@ -20,7 +20,7 @@ import zmq
 from netmq_example import check
 from netmq_example.beacon import BeaconSearch
 from netmq_example.errors import tried
-from netmq_example.one_process import OneProcess
+from netmq_example.one_process import OneProcess, one_at_a_time
 from netmq_example.program import Context, Socket, encoded, limit, longer, option, text_of
 from netmq_example.security.keys import checked, checked_path, load, make
 
@@ -66,7 +66,7 @@ class SecureRequester(OneProcess):
         report: Callable[[str], object] = print,
     ) -> None:
         """Without keys it speaks plain, which such a server refuses too."""
-        self.context: Context = check.instance("context", context, zmq.Context)
+        self.context: Context = check.blocking("context", context, zmq.Context)
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5565", beacon=True)
         self.search = BeaconSearch(endpoint)
         self.keys: ClientKeys | None = check.instance("keys", keys, ClientKeys, type(None))
@@ -76,9 +76,9 @@ class SecureRequester(OneProcess):
         self.socket: Socket | None = None
         self.number = 0
 
+    @one_at_a_time
     def request(self, text: str) -> str:
         """The reply; TimeoutError, which says why, when no try was answered. ValueError: it is too long."""
-        self.check_process()
         check.instance("text", text, str)
         self.number += 1
         request = encoded(text)

@@ -21,6 +21,7 @@ from collections.abc import Callable, Iterator
 import zmq
 
 from netmq_example import check
+from netmq_example.beacon import cure
 from netmq_example.exception import UnitySideChannelException
 from netmq_example.one_process import OneProcess
 from netmq_example.program import limit, longer
@@ -93,7 +94,7 @@ class Carrier:
     def __init__(
         self, socket: zmq.Socket[bytes], welcome: Callable[[], SideChannelManager], report: Callable[[str], object]
     ) -> None:
-        self.socket = check.instance("socket", socket, zmq.Socket)
+        self.socket = check.blocking("socket", socket, zmq.Socket)
         self.welcome = check.function("welcome", welcome)
         self.report = check.function("report", report)
         # Without it a ROUTER drops what it cannot send, and says nothing.
@@ -169,7 +170,7 @@ class ClientCarrier(OneProcess):
         timeout: float = 5,
         report: Callable[[str], object] | None = None,
     ) -> None:
-        self.context = check.instance("context", context, zmq.Context)
+        self.context = check.blocking("context", context, zmq.Context)
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5563")
         self.timeout = check.seconds("timeout", timeout)
         self.report = report if report is None else check.function("report", report)
@@ -220,7 +221,8 @@ class ClientCarrier(OneProcess):
             self.answered = True
             self.away = False
         elif self.silent > self.timeout and not self.away:
-            why = f"no word from {self.endpoint} within {self.timeout:g} s; is the server running?"
+            question = cure(self.endpoint, "is the server running?")
+            why = f"no word from {self.endpoint} within {self.timeout:g} s; {question}"
             if not self.report:
                 raise TimeoutError(why)
             self.away = True

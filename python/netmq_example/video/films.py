@@ -54,7 +54,7 @@ class Films(OneProcess):
         report: Callable[[str], object] = print,
     ) -> None:
         self.timeout = check.seconds("timeout", timeout)
-        check.instance("socket", socket, zmq.Socket, type(None))
+        check.blocking("socket", socket, zmq.Socket, type(None))
         self.print_line = check.function("report", report)
         self.owns_socket = socket is None
         self.game = Game(bound(endpoint) if socket is None else socket, self.lose)

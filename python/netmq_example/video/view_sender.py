@@ -26,6 +26,7 @@ from typing import Any, NamedTuple
 import zmq
 
 from netmq_example import check
+from netmq_example.beacon import cure
 from netmq_example.messages import LIMIT, Array, Message, MessageError, read, take
 from netmq_example.one_connection import NO_CONNECTION, TRY_SECONDS, connect_once
 from netmq_example.program import SLICE_MS, limit, longer
@@ -184,7 +185,7 @@ class ViewSender:
             left = self.heard + self.timeout - time.monotonic()
             if left < 0:
                 waited = f"nobody films at {self.endpoint} within {self.timeout:g} s"
-                raise TimeoutError(f"{waited}; is the server running? ({why})")
+                raise TimeoutError(f"{waited}; {cure(self.endpoint, 'is the server running?')} ({why})")
             with zmq.Context() as context, context.socket(zmq.DEALER) as socket:
                 limit(socket, LIMIT)
                 socket.sndtimeo = int(1000 * TRY_SECONDS)

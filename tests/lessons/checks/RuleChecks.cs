@@ -84,6 +84,14 @@ namespace NetMQExample.Tests
             Client(new ManyRequester(Endpoint), "texts", it => it.RequestMany(null).First(),
                 it => it.RequestMany(new[] { "x" }).First());
             Client(new ManyRequester(Endpoint), "texts", it => it.RequestMany(new string[] { null }).First());
+            using (var many = new ManyRequester(Endpoint))
+            {
+                // The first outcome is there at once: it is not sent.
+                foreach (var _ in many.RequestMany(new[] { tooLong, "x" }).Take(1))
+                    Refused("ManyRequester's second RequestMany", "has not ended", "a use",
+                        () => many.RequestMany(new[] { tooLong }).First());
+                if (many.RequestMany(new[] { tooLong }).Count() != 1) throw new Exception("the next one was refused as well");
+            }
             Client(new TopicListener(Endpoint, ""), "", null, it => it.Receive(second), it => it.Newest(second));
             Client(new PoseSubscriber(Endpoint, "", Quiet), "", null, it => it.Receive(second));
             Client(new DriverClient(Endpoint, second, 1, Quiet), "frame", it => it.Ask(null), it => it.Ask(hi));
@@ -171,7 +179,8 @@ namespace NetMQExample.Tests
             {
                 var why = e is TargetInvocationException ? e.InnerException : e;
                 var says = why.Message.Contains(name) || why.Message.Contains($"bad endpoint '{wrong}'");
-                var right = name == "disposed" ? why is ObjectDisposedException : why is ArgumentException;
+                var right = name == "disposed" ? why is ObjectDisposedException
+                    : name == "has not ended" ? why is InvalidOperationException : why is ArgumentException;
                 var plain = right && says && !why.Message.Contains('\n');
                 found = plain ? "refused" : $"{why.GetType().Name}: {why.Message}";
             }

@@ -27,6 +27,7 @@ namespace NetMQExample
         // An id must never come twice, whoever else asks and however often this program starts: hence the GUID.
         private readonly string name = Guid.NewGuid().ToString("N");
         private readonly NetMQConnection connection;
+        private readonly OneAtATime calls = new OneAtATime(nameof(LazyPirateRequester));
         private readonly string endpoint;
         private readonly TimeSpan timeout;
         private readonly int tries;
@@ -60,6 +61,7 @@ namespace NetMQExample
         public string Request(string text, CancellationToken stop = default)
         {
             Require.Text("text", text);
+            using var alone = calls.Begin();
             var id = $"{++number}-{name}";
             for (var attempt = 1; ; attempt++)
             {

@@ -51,6 +51,7 @@ namespace NetMQExample
         private readonly Dictionary<string, (int number, string text, TimeSpan sent, int tries)> pending;
         private readonly Stopwatch clock = Stopwatch.StartNew();
         private readonly NetMQConnection connection;
+        private readonly OneAtATime calls = new OneAtATime(nameof(ManyRequester));
         private readonly int window, tries;
         private readonly TimeSpan timeout;
         private readonly Action<string> report;
@@ -84,8 +85,10 @@ namespace NetMQExample
         /// may be endless; but whatever makes them must not wait: no reply is read meanwhile.</param>
         /// <param name="stop">Ends it early, within 50 ms of being cancelled.</param>
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
+        /// <exception cref="InvalidOperationException">The requests before these have not all ended.</exception>
         public IEnumerable<Answer> RequestMany(IEnumerable<string> texts, CancellationToken stop = default)
         {
+            using var alone = calls.Begin();
             pending.Clear();
             using var upcoming = Require.Given("texts", texts).GetEnumerator();
             var number = 0;

@@ -26,6 +26,7 @@ namespace NetMQExample
         private static readonly TimeSpan Again = TimeSpan.FromSeconds(1);
 
         private readonly NetMQConnection connection;
+        private readonly OneAtATime calls = new OneAtATime(nameof(JobClient));
         private readonly string endpoint;
         private readonly TimeSpan timeout;
         private readonly int tries;
@@ -89,6 +90,7 @@ namespace NetMQExample
         public IEnumerable<JobNews> Watch(Message request, CancellationToken stop = default)
         {
             Require.Given("request", request);
+            using var alone = calls.Begin();
             var silent = 0;
             var seq = -1L;
             var since = Stopwatch.StartNew();

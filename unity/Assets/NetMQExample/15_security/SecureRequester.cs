@@ -25,6 +25,7 @@ namespace NetMQExample
         private static readonly TimeSpan Pause = TimeSpan.FromMilliseconds(250);
 
         private readonly NetMQConnection connection;
+        private readonly OneAtATime calls = new OneAtATime(nameof(SecureRequester));
         private readonly string endpoint;
         private readonly ClientKeys keys;
         private readonly TimeSpan timeout;
@@ -67,6 +68,7 @@ namespace NetMQExample
         public string Request(string text, CancellationToken stop = default)
         {
             Require.Text("text", text);
+            using var alone = calls.Begin();
             number++;
             for (var attempt = 1; ; attempt++)
             {
