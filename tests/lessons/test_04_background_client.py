@@ -408,7 +408,6 @@ def test_a_retry_is_answered_from_memory(monkeypatch, capsys):
     assert capsys.readouterr().err.count("Traceback") == 1
 
 
-LESSON = b"lesson 05 carries more"
 REQUESTS = {
     "hello": ([b"1", b"hello"], [b"1", b"world"]),
     "echo": ([b"1", "echo grün ✓".encode()], [b"1", "grün ✓".encode()]),
