@@ -24,6 +24,7 @@ np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: kit.py run 9 in
 KEY, ID = "09_environment", "NetMQExample/CartPole-v0"
 LESSON = ROOT / "python" / KEY
 from netmq_example import trees  # noqa: E402
+from netmq_example.envs.common import frames_per_second  # noqa: E402
 from netmq_example.envs.connection import bound  # noqa: E402
 from netmq_example.messages import Array, Message, MessageError, read  # noqa: E402
 from netmq_example.records import ABSENT, ANSWERS, ASKS, RESET, STEP, TERMINATED, Record, read_frames, rewards, seeds  # noqa: E402
@@ -352,6 +353,11 @@ def test_a_wrong_hello_is_named_to_both_sides(text, inside):
     while not simulator.asked and time.monotonic() < end:
         time.sleep(0.01)
     assert {answer.kind for answer in simulator.asked} == {"error"}
+
+
+@pytest.mark.parametrize(("dt", "fps"), [(0.02, 50), (0.0, 1000), (-1.0, 1000), (5.0, 1), (1e308, 1)])
+def test_a_film_has_pictures_whatever_a_worlds_step_is(dt, fps):
+    assert frames_per_second(hello_with(FINE, dt=dt)) == fps
 
 
 def test_a_simulator_with_other_spaces_does_not_take_the_place_of_one_that_was_lost(here):

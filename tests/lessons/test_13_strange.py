@@ -242,7 +242,7 @@ WRONG: dict[str, list[Any]] = {
     "key ": [lambda value: FloatPropertiesChannel().set_property(value, 1), 0, None, NAN, ""],
     "value": [lambda value: FloatPropertiesChannel().set_property("a", value), None, "", "1"],
     "width": [lambda value: engine(width=value, height=80), NAN, "", 0.5],
-    "time_scale": [lambda value: engine(time_scale=value), "", [1]],
+    "time_scale": [lambda value: engine(time_scale=value), "", [1], NAN, 1e6],
     "config": [EngineConfigurationChannel().set_configuration, None, 0, (80, 80, 1, 20.0, -1, 60)],
     "key  ": [lambda value: PARAMETERS.set_float_parameter(value, 1), 0, None, NAN, ""],
     "max_value": [lambda value: PARAMETERS.set_uniform_sampler_parameters("a", 1, value, 1), None, ""],

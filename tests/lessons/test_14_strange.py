@@ -14,6 +14,7 @@ import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, closing
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -240,12 +241,13 @@ def test_a_server_says_in_one_line_what_it_cannot_use(runs, tmp_path):
 
 def test_a_job_that_cannot_be_read_or_done_any_more_is_not_the_others_business(jobs_server, peer, tmp_path):
     server, endpoint = jobs_server("--workers", "1")
-    damaged = (newer, cut, bare, number, text, other) = [peer(endpoint) for _ in range(6)]
+    damaged = (newer, cut, bare, number, text, other, far, past, sign) = [peer(endpoint) for _ in range(9)]
     blocker, odd, good = (peer(endpoint) for _ in range(3))
     blocker.goal("deaf", 10_000).hear("feedback")
     for job in (*damaged, odd, good):
         job.goal(count=3).hear("accepted")
     server.kill()
+    escaped = r"{column} = CAST(replace(CAST({column} AS TEXT), '{job}', '\u001b') AS BLOB)"
     with closing(sqlite3.connect(tmp_path / "journal.sqlite3")) as journal, journal:
         for job, change in (
             (newer, "goal = CAST(replace(CAST(goal AS TEXT), '\"version\":1', '\"version\":2') AS BLOB)"),
@@ -254,6 +256,9 @@ def test_a_job_that_cannot_be_read_or_done_any_more_is_not_the_others_business(j
             (number, "goal = 5"),
             (text, "news = CAST(x'ff' AS TEXT)"),
             (other, f"goal = CAST(replace(CAST(goal AS TEXT), '{other.job}', 'another') AS BLOB)"),
+            (far, f"news = CAST(replace(CAST(news AS TEXT), '\"seq\":0', '\"seq\":{2**53 - 1}') AS BLOB)"),
+            (past, "news = CAST(replace(CAST(news AS TEXT), 'accepted', 'forgotten') AS BLOB)"),
+            (sign, f"""id = char(27), {", ".join(escaped.format(column=one, job=sign.job) for one in ("goal", "news"))}"""),
             (odd, "goal = CAST(replace(CAST(goal AS TEXT), '\"count\",', '\"paint\",') AS BLOB)"),
         ):
             done = journal.execute(f"UPDATE jobs SET {change} WHERE id = ?", (job.job,))
@@ -348,6 +353,7 @@ STRANGE = [
         "gave up: unknown-kind: kind 'hurray' is none of accepted, feedback, canceling, result, forgotten",
     ),
     (said("feedback", **STATE), "gave up: missing-field: there is no 'seq'"),
+    (said("feedback", seq=-1, **STATE), "gave up: bad-value: 'seq' must be 0 or more"),
     (said("rejected", code=5, text=True), "gave up: wrong-type: 'code' must be str"),
     (said("forgotten"), "gave up: forgotten: its result was deleted; begin a job with a new id"),
     # The server has another journal, and has begun anew.
@@ -362,6 +368,30 @@ STRANGE = [
         )
     ],
 ]
+
+
+def header(job, text):
+    """An answer that no reader takes, as a server of another release may give it."""
+    return [[text.replace("JOB", job).encode()]]
+
+
+UNREADABLE = [
+    '{"kind":"feedback","version":1,"id":0,"values":{"job":"JOB","seq":1,"done":null,"total":2,"text":""},"arrays":[]}',
+    '{"kind":"feedback","version":1,"id":0,"values":{"job":"JOB","seq":1,"done":1,"total":2,"text":"\\ud800"},"arrays":[]}',
+]
+
+
+@each_side
+def test_a_client_gives_up_on_a_server_that_accepts_and_says_nothing_readable(side, context, runs):
+    """It is one line for each try, and not for each answer."""
+    accepted = said("accepted", seq=0, position=0)
+    with ExitStack() as stack:
+        replies = [both(accepted, partial(header, text=text)) for text in UNREADABLE]
+        servers = [stack.enter_context(Wrong(context, one)) for one in replies]
+        found = runs(side, KEY, [["--endpoint", one.endpoint, "--timeout", "1", "--tries", "3"] for one in servers])
+    for run in found:
+        assert run.code == 1 and len(run.lines) < 12, run.lines
+        assert re.fullmatch("gave up: no word of it .* in 3 tries of 1 s; (wrong-type|bad-json): .*", run.lines[-1])
 
 
 @each_side

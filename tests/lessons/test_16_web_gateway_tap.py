@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import functools
 import itertools
 import json
 import re
@@ -362,6 +363,36 @@ def test_what_is_kept_has_a_limit_and_the_newest_stay():
     assert len(arrows.kept) == 2 and arrows.totals["down"] == 5 and arrows.after(MOST_ARROWS + 15, 5) == []
 
 
+def test_messages_that_do_not_end_have_a_limit_of_all_connections(line, monkeypatch):
+    """Eight that announced 290 MB and sent 200 filled the memory."""
+    monkeypatch.setattr("netmq_example.tap.arrows.MOST_HELD", 3_000_000)
+    size = 2_000_000
+    said = b"\xff" + bytes(8) + b"\x7f\x03\x01NULL".ljust(GREETING - 9, b"\0") + b"\x02" + size.to_bytes(8, "big")
+    with socket.create_server(("127.0.0.1", 0)) as listener, contextlib.ExitStack() as ends:
+        endpoint, kept = line(f"tcp://127.0.0.1:{listener.getsockname()[1]}")
+
+        def client(count):
+            one = ends.enter_context(socket.create_connection(("127.0.0.1", int(endpoint.rpartition(":")[2]))))
+            behind = ends.enter_context(listener.accept()[0])
+            behind.settimeout(LIMIT)
+            with contextlib.suppress(ConnectionError):
+                one.sendall(said + bytes(count))
+            return one, behind
+
+        unfinished = [client(size - 1) for _ in range(2)]
+        until(kept, "closed by the tap: what waits here to be passed on is more than 3,000,000 bytes")
+        for each in itertools.chain(*unfinished):
+            each.close()
+        # What a closed connection had is free again, sooner or later.
+        end = time.monotonic() + LIMIT
+        came = b""
+        while len(came) < len(said) + size:
+            assert time.monotonic() < end
+            one, behind = client(size)
+            one.shutdown(socket.SHUT_WR)
+            came = b"".join(iter(functools.partial(behind.recv, 65536), b""))
+
+
 def test_a_client_that_knocks_in_vain_makes_no_flood():
     arrows = Arrows()
     for link in range(100):
@@ -371,7 +402,10 @@ def test_a_client_that_knocks_in_vain_makes_no_flood():
 
 @pytest.mark.parametrize(
     "text",
-    ["", "[]", "7", "[" * 999, '{"slow": NaN}', '{"slow": -1}', '{"slow": "x"}', '{"fate": "drop"}', '{"way": "up"}'],
+    [
+        *("", "[]", "7", "[" * 999, '{"fate": "drop"}', '{"way": "up"}'),
+        *(f'{{"slow": {slow}}}' for slow in ("NaN", -1, '"x"', "9" * 400, 10.5)),
+    ],
 )
 def test_what_is_no_wish_of_the_page_changes_nothing(text):
     trouble = Trouble()

@@ -525,6 +525,21 @@ def test_a_hub_that_was_away_says_first_what_is_missing():
     assert [(one.kind, one.values) for one in sent] == [("alive", {"simulators": 0, "taken": 0})]
 
 
+@pytest.mark.parametrize("missing", ["many", 0.5, True])
+def test_a_hub_that_counts_in_words_is_named(missing, context):
+    hub = context.socket(zmq.ROUTER)
+    hub.linger, hub.rcvtimeo = 0, 100_000
+    endpoint = f"tcp://127.0.0.1:{hub.bind_to_random_port('tcp://127.0.0.1')}"
+    with hub, FleetSocket(endpoint, "CartPole", 1) as trainer:
+        trainer.open()
+        peer, *_ = hub.recv_multipart()
+        trainer.send_multipart([b"hub", b"begun"])
+        hub.send_multipart([peer, *messages.Message("alive", values={"missing": missing}).frames()])
+        assert trainer.socket.poll(100_000)
+        with pytest.raises(messages.MessageError, match="'missing' must be int"):
+            trainer.recv_multipart()
+
+
 def test_a_hub_that_was_stopped_sends_nobody_home():
     """As by `docker compose pause`, or on a virtual machine that was saved: all of them were asleep."""
     sent = []

@@ -31,7 +31,7 @@ from typing import Any, NamedTuple
 from netmq_example import check
 from netmq_example.camera.pictures import NUMBERS, decode, encode, pictures
 from netmq_example.errors import GaveUp
-from netmq_example.messages import LIMIT, Message, MessageError
+from netmq_example.messages import EXACT, LIMIT, Message, MessageError
 
 # The values of a frame, as they were in force when the picture was taken, and those of the action that answered it.
 KNOWN = ("frame", *NUMBERS, "manual", "encoding")
@@ -231,7 +231,8 @@ def recorded(folder: Path | str, log: Callable[[str], object] = print_at_once) -
 
 def read_row(folder: Path, number: int, cells: dict[str, str]) -> Row:
     values: dict[str, Any] = {name: finite(cells[name]) for name in NUMBERS}
-    values |= {"frame": int(cells["frame"]), "manual": cells["manual"] == "True"}
+    frame = check.count("frame", int(cells["frame"]), least=0, most=EXACT - 1)
+    values |= {"frame": frame, "manual": cells["manual"] == "True"}
     answered: dict[str, Any] = {name: finite(cells[f"answered_{name}"]) for name in ANSWERED}
     for column, cell in cells.items():
         if column not in METADATA and cell and not column.endswith("file_name"):

@@ -75,9 +75,9 @@ def observation_and_action(described: Any) -> list[Space[Any]]:
 
 
 def frames_per_second(hello: Message) -> int:
-    """As many steps as there are in a second of the world's own time."""
+    """As many steps as there are in a second of the world's own time, or one: no film has fewer pictures."""
     dt: float = take(hello.values, "dt", float)
-    return round(1 / max(1e-3, dt))
+    return max(1, round(1 / max(1e-3, dt)))
 
 
 def options_as_bytes(options: Any, **others: Any) -> bytes:

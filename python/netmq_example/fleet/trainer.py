@@ -66,7 +66,7 @@ class FleetSocket(OneProcess):
         else:
             message = read(frames)
             if message.kind == "alive" and not self.waits:
-                self.report_lost(int(message.values.get("missing", 0)))
+                self.report_lost(take({"missing": 0} | message.values, "missing", int))
             elif message.kind == "alive":
                 self.sent = time.monotonic()
                 self.report_missing(message)

@@ -56,7 +56,8 @@ def check_news(news: Message) -> None:
     if news.kind not in NEWS:
         raise MessageError("unknown-kind", f"kind {news.kind!a:.40} is none of {', '.join(NEWS)}")
     for name, kind in NEWS[news.kind].items():
-        take(news.values, name, kind)
+        if take(news.values, name, kind) and kind is int and news.values[name] < 0:
+            raise MessageError("bad-value", f"'{name}' must be 0 or more")
     status = news.values.get("status")
     if news.kind == "result" and status not in STATUSES:
         raise MessageError("bad-status", f"status {status!a:.40} is none of {', '.join(STATUSES)}")

@@ -18,8 +18,8 @@ from pathlib import Path
 from typing import Any
 
 from netmq_example import check
-from netmq_example.jobs.client import check_news
-from netmq_example.messages import LIMIT, Message, MessageError, read, take
+from netmq_example.jobs.client import ENDS, check_news, job_id
+from netmq_example.messages import EXACT, LIMIT, Message, MessageError, read, take
 
 # By this number in its header the file is known for a journal of jobs.
 APPLICATION_ID = 1_246_708_275
@@ -35,6 +35,8 @@ ENTRY = "SELECT id, goal, news, data FROM jobs"
 KEEP_SECONDS = 24 * 3600
 # From so much on somebody has set the clock, as a board without a battery does when it has found the network.
 SET_SECONDS = 60
+# Of the number of a job's newest message, to which each that follows adds one.
+MOST_SEQ = EXACT // 2
 # How long to wait for another server that has the file.
 LOCK_SECONDS = 1.0
 CURE = "try --journal another.sqlite3"
@@ -68,6 +70,11 @@ def entry(job: Any, goal: Any, news: Any, data: Any) -> tuple[Message, Message]:
     for name, kind in {"kind": str, "count": int, "text": str}.items():
         take(begun.values, name, kind)
     check_news(newest)
+    try:
+        job_id("a row's id", job)
+        check.count("seq", newest.values.get("seq", 0), least=0, most=MOST_SEQ)
+    except ValueError as error:
+        raise MessageError("bad-value", str(error)) from None
     for message in (begun, newest):
         if take(message.values, "job", str) != job:
             raise MessageError("bad-job", f"it is about another job than {job!a:.80}")
@@ -126,7 +133,10 @@ class Journal:
         try:
             for (number,) in self.db.execute("SELECT number FROM jobs WHERE ended IS NULL ORDER BY number").fetchall():
                 try:
-                    found.append(entry(*self.db.execute(f"{ENTRY} WHERE number = ?", (number,)).fetchone()))
+                    goal, news = entry(*self.db.execute(f"{ENTRY} WHERE number = ?", (number,)).fetchone())
+                    if news.kind in ENDS:
+                        raise MessageError("ended", "it has ended, and the row does not say when")
+                    found.append((goal, news))
                 except (MessageError, sqlite3.DataError) as error:
                     print(f"cannot read row {number} of the journal, and leave it alone: {error}", flush=True)
         except sqlite3.Error as error:

@@ -18,6 +18,12 @@ from netmq_example.side_channel.outgoing_message import packed
 from netmq_example.side_channel.side_channel import IncomingMessage, OutgoingMessage, SideChannel
 
 
+# ML-Agents has 1 to 100, which is all that Unity's editor takes: faster than that, a game only stands still.
+LEAST_TIME_SCALE, MOST_TIME_SCALE = 1.0, 100.0
+# Pixels, the largest texture of most graphics cards.
+MOST_PIXELS = 16_384
+
+
 class EngineConfig(NamedTuple):
     width: int | None
     height: int | None
@@ -72,6 +78,8 @@ class EngineConfigurationChannel(SideChannel):
         for name, value in values.items():
             if value is None:
                 return
+            if name == "time_scale":
+                check.number(name, value, 0, MOST_TIME_SCALE)
             number = FLOAT32 if kind == self.ConfigurationType.TIME_SCALE else INT32
             msg.buffer += packed(number, name, value)
         self.queue_message_to_send(msg)

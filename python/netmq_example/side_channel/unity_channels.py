@@ -17,7 +17,12 @@ from itertools import islice
 
 from netmq_example import check
 from netmq_example.exception import UnitySideChannelException
-from netmq_example.side_channel.engine_configuration_channel import EngineConfigurationChannel
+from netmq_example.side_channel.engine_configuration_channel import (
+    LEAST_TIME_SCALE,
+    MOST_PIXELS,
+    MOST_TIME_SCALE,
+    EngineConfigurationChannel,
+)
 from netmq_example.side_channel.environment_parameters_channel import EnvironmentParametersChannel
 from netmq_example.side_channel.incoming_message import FLOAT32
 from netmq_example.side_channel.outgoing_message import packed
@@ -112,17 +117,21 @@ class EngineSettings(EngineConfigurationChannel):
         values: tuple[float, ...]
         if kind == self.ConfigurationType.SCREEN_RESOLUTION:
             values = (msg.read_int32(), msg.read_int32())
-            if min(values) <= 0:
+            if min(values) <= 0 or max(values) > MOST_PIXELS:
                 raise UnitySideChannelException(f"a screen of {values[0]} x {values[1]}")
         elif kind == self.ConfigurationType.TIME_SCALE:
             scale = msg.read_float32()
             if not math.isfinite(scale):
                 raise UnitySideChannelException("a time scale that is no number")
-            # As Unity's half does: no slower than time is.
-            values = (max(scale, 1.0),)
+            # As Unity's half does.
+            values = (min(max(scale, LEAST_TIME_SCALE), MOST_TIME_SCALE),)
         else:
             values = (msg.read_int32(),)
-        self.apply(self.ConfigurationType(kind).name.lower().replace("_", " "), values)
+        name = self.ConfigurationType(kind).name.lower().replace("_", " ")
+        # -1 is for as Unity likes.
+        if values[0] < (-1 if kind == self.ConfigurationType.TARGET_FRAME_RATE else 0):
+            raise UnitySideChannelException(f"a {name} of {values[0]}")
+        self.apply(name, values)
 
 
 class EnvironmentParameters(EnvironmentParametersChannel):

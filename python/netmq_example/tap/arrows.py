@@ -23,11 +23,13 @@ from pathlib import Path
 from typing import Any
 
 from netmq_example import check
-from netmq_example.tap.zmtp import Piece
+from netmq_example.tap.zmtp import NotZeroMQ, Piece
 
 # So many arrows, and bytes of all their messages together, are kept.
 MOST_ARROWS = 2000
 MOST_BYTES = 32 * 1024 * 1024
+# What all connections together hold of messages that are not passed on yet: two of the largest.
+MOST_HELD = 600 * 1024 * 1024
 # How much of each frame a page gets at first, and when somebody opens the arrow.
 PREVIEW_BYTES = 1024
 WHOLE_BYTES = 4 * 1024 * 1024
@@ -72,7 +74,15 @@ class Arrows:
         # Messages and bytes in each direction since the beginning: the page makes rates of them.
         self.totals = Counter({"up": 0, "down": 0, "up bytes": 0, "down bytes": 0})
         self.began = 0.0
+        self.held = 0
         self.lock = threading.Lock()
+
+    def hold(self, size: int) -> None:
+        """So many bytes more, or fewer, are not passed on yet; NotZeroMQ if that is too much."""
+        with self.lock:
+            self.held += size
+            if size > 0 and self.held > MOST_HELD:
+                raise NotZeroMQ(f"what waits here to be passed on is more than {MOST_HELD:,} bytes")
 
     def add(self, link: int, way: str, piece: Piece | None, text: str = "") -> None:
         """`way` is up, down, or empty for what has no direction; `text` is what became of it."""

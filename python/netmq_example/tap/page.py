@@ -88,8 +88,8 @@ class Page:
         """Do what the page asks for. A message that does not fit is not from our page."""
         with contextlib.suppress(ValueError, KeyError, TypeError):
             wish = json.loads(shallow(text))
-            if "slow" in wish and 0 <= float(wish["slow"]) <= SLOWEST_SECONDS:
-                self.trouble.slow = float(wish["slow"])
+            if "slow" in wish:
+                self.trouble.slow = check.number("slow", wish["slow"], 0, SLOWEST_SECONDS)
             if "fate" in wish:
                 self.trouble.ask(wish["fate"], wish["way"])
 

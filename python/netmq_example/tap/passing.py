@@ -108,19 +108,25 @@ class Link:
     def pass_on(self, source: socket.socket, target: socket.socket, way: str) -> None:
         """Until one side closes. Then the other one learns of it, and may still send what it has to send."""
         how = socket.SHUT_RDWR
+        held = 0
         try:
             self.greet(source, target, way)
             buffer = bytearray()
             while chunk := source.recv(65536):
+                held += len(chunk)
+                self.arrows.hold(len(chunk))
                 buffer += chunk
                 while piece := take(buffer, LARGEST_BYTES):
                     self.pass_piece(piece, target, way)
+                    held -= len(piece.raw)
+                    self.arrows.hold(-len(piece.raw))
             how = socket.SHUT_WR
         except NotZeroMQ as error:
             self.arrows.add(self.number, way, None, f"closed by the tap: {error}")
         except OSError:
             # One of them is gone, or was cut.
             pass
+        self.arrows.hold(-held)
         for each in (source, target):
             if each is target or how == socket.SHUT_RDWR:
                 with contextlib.suppress(OSError):

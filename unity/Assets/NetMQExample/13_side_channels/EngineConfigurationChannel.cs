@@ -26,6 +26,9 @@ namespace NetMQExample.SideChannels
     /// <summary>Hands each setting that comes to whoever can set it.</summary>
     public sealed class EngineConfigurationChannel : SideChannel
     {
+        // Pixels, the largest texture of most graphics cards.
+        private const int MostPixels = 16384;
+
         private readonly Action<ConfigurationType, double[]> apply;
 
         /// <summary>Calls <paramref name="apply"/> with each.</summary>
@@ -38,10 +41,9 @@ namespace NetMQExample.SideChannels
         /// <summary>A setting in words: <c>engine: time scale 2.0</c>.</summary>
         public static string Describe(ConfigurationType kind, double[] values)
         {
-            var name = string.Concat(kind.ToString().Select((c, i) => char.IsUpper(c) && i > 0 ? $" {c}" : $"{c}"));
             var format = kind == ConfigurationType.TimeScale ? "F1" : "F0";
             var texts = values.Select(value => value.ToString(format, CultureInfo.InvariantCulture));
-            return $"engine: {name.ToLowerInvariant()} {string.Join(" x ", texts)}";
+            return $"engine: {Name(kind)} {string.Join(" x ", texts)}";
         }
 
         /// <inheritdoc/>
@@ -52,25 +54,33 @@ namespace NetMQExample.SideChannels
             {
                 case ConfigurationType.ScreenResolution:
                     var (width, height) = (msg.ReadInt32(), msg.ReadInt32());
-                    if (width <= 0 || height <= 0) throw new UnityAgentsException($"a screen of {width} x {height}");
+                    if (Math.Min(width, height) <= 0 || Math.Max(width, height) > MostPixels)
+                        throw new UnityAgentsException($"a screen of {width} x {height}");
                     apply(kind, new double[] { width, height });
                     break;
                 case ConfigurationType.TimeScale:
                     var scale = msg.ReadFloat32();
                     if (float.IsNaN(scale) || float.IsInfinity(scale))
                         throw new UnityAgentsException("a time scale that is no number");
-                    // As ML-Agents does: no slower than time is.
-                    apply(kind, new double[] { Math.Max(scale, 1) });
+                    // As ML-Agents does in the editor: no slower than time is, and no faster than a game can follow.
+                    apply(kind, new double[] { Math.Clamp(scale, 1, 100) });
                     break;
                 case ConfigurationType.QualityLevel:
                 case ConfigurationType.TargetFrameRate:
                 case ConfigurationType.CaptureFrameRate:
-                    apply(kind, new double[] { msg.ReadInt32() });
+                    var value = msg.ReadInt32();
+                    // -1 is for as Unity likes.
+                    if (value < (kind == ConfigurationType.TargetFrameRate ? -1 : 0))
+                        throw new UnityAgentsException($"a {Name(kind)} of {value}");
+                    apply(kind, new double[] { value });
                     break;
                 default:
                     throw new UnityAgentsException(
                         $"engine settings are 0 to 4, not {(int)kind}: are both sides of one release?");
             }
         }
+
+        private static string Name(ConfigurationType kind) => string.Concat(kind.ToString()
+            .Select((c, i) => char.IsUpper(c) && i > 0 ? $" {c}" : $"{c}")).ToLowerInvariant();
     }
 }

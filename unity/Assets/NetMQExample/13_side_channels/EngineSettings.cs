@@ -1,7 +1,6 @@
 // Lesson 13 in Unity, what becomes of engine settings that come: the same as in ML-Agents.
 //
 // Use: SideChannelBehaviour.cs gives it to the academy.
-using System;
 using UnityEngine;
 
 namespace NetMQExample.SideChannels
@@ -12,8 +11,6 @@ namespace NetMQExample.SideChannels
         /// <summary>Sets it, and logs it.</summary>
         public static void Apply(ConfigurationType kind, double[] values)
         {
-            // The editor takes 100 at the most.
-            if (kind == ConfigurationType.TimeScale && Application.isEditor) values[0] = Math.Min(values[0], 100);
             Debug.Log(EngineConfigurationChannel.Describe(kind, values));
             var value = (int)values[0];
             if (kind == ConfigurationType.ScreenResolution) Screen.SetResolution(value, (int)values[1], false);

@@ -23,12 +23,12 @@ namespace NetMQExample
             Job = Take<string>(message, "job");
             Status = "";
             if (Array.IndexOf(Kinds, Kind) < 0) throw Wrong("unknown-kind", "kind", Kind, Kinds);
-            if (Kind != "forgotten") Seq = Take<long>(message, "seq");
-            if (Kind == "accepted") Position = Take<long>(message, "position");
+            if (Kind != "forgotten") Seq = Count(message, "seq");
+            if (Kind == "accepted") Position = Count(message, "position");
             else if (Kind != "forgotten")
             {
-                Done = Take<long>(message, "done");
-                Total = Take<long>(message, "total");
+                Done = Count(message, "done");
+                Total = Count(message, "total");
                 Text = Take<string>(message, "text");
             }
             if (Kind == "result") Status = Take<string>(message, "status");
@@ -131,6 +131,12 @@ namespace NetMQExample
                 throw new MessageException("missing-field", $"there is no '{name}'");
             return found is T value ? value : throw new MessageException(
                 "wrong-type", $"'{name}' must be {(typeof(T) == typeof(string) ? "str" : "int")}");
+        }
+
+        private static long Count(Message message, string name)
+        {
+            var count = Take<long>(message, name);
+            return count >= 0 ? count : throw new MessageException("bad-value", $"'{name}' must be 0 or more");
         }
 
         private static MessageException Wrong(string code, string what, string found, string[] known) =>
