@@ -1,4 +1,6 @@
-"""What stands behind `server N --reload`: a program that is started anew when one of its Python files is saved."""
+"""What stands behind `server N --reload`: a program that is started anew when one of its Python files is saved, and when
+it was ended by a signal, as by an assertion of libzmq's or by the system.
+"""
 
 from __future__ import annotations
 
@@ -12,20 +14,22 @@ from kitlib.terminal import say
 
 # Seconds between two looks at the files.
 INTERVAL = 0.3
+# A program's own exit codes: done, a mistake, wrong usage. Every other one is a signal's, or Windows' own.
+BY_ITSELF = (0, 1, 2)
 Files = dict[Path, tuple[int, int]]
 
 
 def run_reloading(command: Sequence[str], folders: Sequence[Path]) -> int:
-    """Run it until Ctrl-C. Where a saved file has a mistake, it ends, and the next save starts it again."""
+    """Run it until Ctrl-C. Where a saved file has a mistake, it ends by itself, and the next save starts it again."""
     process: subprocess.Popen[bytes] | None = None
     try:
         while True:
             seen = files(folders)
             process = spawn(command)
-            names = wait_for_save(folders, seen, process)
+            why = wait_for_reason(folders, seen, process)
             # Only now: it holds the port until it has ended.
             end(process)
-            say(f"{', '.join(names)} saved: starting anew")
+            say(f"{why}: starting anew")
     except KeyboardInterrupt:
         return 130
     finally:
@@ -33,11 +37,15 @@ def run_reloading(command: Sequence[str], folders: Sequence[Path]) -> int:
             end(process)
 
 
-def wait_for_save(folders: Sequence[Path], seen: Files, process: subprocess.Popen[bytes]) -> list[str]:
-    """The names of the files that are not what was seen, once nobody writes them any more."""
+def wait_for_reason(folders: Sequence[Path], seen: Files, process: subprocess.Popen[bytes]) -> str:
+    """That it was killed, or the names of the files that are not what was seen, once nobody writes them any more."""
     told = False
     before = seen
     while True:
+        if process.poll() not in (None, *BY_ITSELF):
+            # So a server that is killed at each start leaves the machine some time.
+            time.sleep(INTERVAL)
+            return "the server was killed"
         if process.poll() is not None and not told:
             told = True
             say("the server has ended; the next save starts it again, Ctrl-C ends this")
@@ -45,7 +53,7 @@ def wait_for_save(folders: Sequence[Path], seen: Files, process: subprocess.Pope
         now = files(folders)
         # Many an editor writes in two steps, or writes another file and renames it.
         if now != seen and now == before:
-            return sorted({path.name for path, _ in now.items() ^ seen.items()})
+            return f"{', '.join(sorted({path.name for path, _ in now.items() ^ seen.items()}))} saved"
         before = now
 
 

@@ -27,7 +27,7 @@ SHOWS = {"win32": "ipconfig", "linux": "hostname -I"}
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("lesson", metavar="LESSON", help="its number or its name, or a server.py of yours")
     add_folder(parser)
-    parser.add_argument("--reload", action="store_true", help="start it anew when a Python file of it is saved")
+    parser.add_argument("--reload", action="store_true", help="start it anew when it is saved, or was killed")
 
 
 def program_help(lesson: str) -> str:

@@ -47,6 +47,8 @@ LARGEST_BYTES = 65_536
 WAITING_BYTES = 64 * 1024 * 1024
 # More open files than that no program of this kit needs.
 MOST_FILES = 8192
+# With fewer libzmq ends a program in the middle of its work, without a word of ours.
+LEAST_FILES = 32
 # The port is taken, most often by an older start of the same server.
 IN_USE = "end the server that has it in another terminal"
 LOOPBACK = re.compile(r"tcp://(localhost|127\.[\d.]+):")
@@ -177,6 +179,13 @@ def more_files() -> int:
             # Where it cannot be raised, it stays as it is.
             return now
     return wanted
+
+
+def enough_files() -> None:
+    """OSError says that this program may open too few."""
+    few = sys.platform != "win32" and 0 <= resource.getrlimit(resource.RLIMIT_NOFILE)[0] < LEAST_FILES
+    if few and (count := more_files()) < LEAST_FILES:
+        raise OSError(f"it may open {count} files, and needs {LEAST_FILES}: allow more, as by ulimit -n 1024")
 
 
 def receive(socket: Socket, timeout: float = math.inf) -> list[bytes]:
@@ -321,6 +330,7 @@ def run(main: Callable[[], None], stopped: str | None = None) -> None:
     # SIGTERM, which kill and process managers send, ends a program as Ctrl-C does; on Windows that is SIGBREAK.
     interrupts.listen(signal.SIGINT, getattr(signal, "SIGBREAK", signal.SIGTERM))
     try:
+        enough_files()
         main()
     except (TimeoutError, GaveUp) as error:
         raise SystemExit(f"gave up: {printable(str(error), most=1000)}") from None

@@ -1,5 +1,6 @@
 """kit.py server N --reload: when a file counts as saved. A whole run is in test_kit.py."""
 
+import os
 import signal
 import sys
 from types import SimpleNamespace
@@ -8,7 +9,7 @@ import pytest
 
 from kitlib import reload
 from tests.conftest import PYTHON
-from tests.programs import ROOT
+from tests.programs import ROOT, Mark, finds_processes, steady_endpoint
 
 
 def test_an_editor_that_writes_in_steps_starts_it_once(tmp_path, monkeypatch):
@@ -29,7 +30,7 @@ def test_an_editor_that_writes_in_steps_starts_it_once(tmp_path, monkeypatch):
     ]
     monkeypatch.setattr(reload, "time", SimpleNamespace(sleep=lambda _: steps.pop(0)()))
     running = SimpleNamespace(poll=lambda: None)
-    assert reload.wait_for_save([tmp_path], reload.files([tmp_path]), running) == ["server.py"]
+    assert reload.wait_for_reason([tmp_path], reload.files([tmp_path]), running) == "server.py saved"
     assert len(steps) == 1, "as soon as it is whole"
 
 
@@ -38,6 +39,33 @@ def test_a_file_that_cannot_be_looked_at_ends_nothing(tmp_path):
     (tmp_path / "server.py").write_text("1")
     (tmp_path / "loop.py").symlink_to("loop.py")
     assert [path.name for path in reload.files([tmp_path])] == ["server.py"]
+
+
+@finds_processes
+@pytest.mark.parametrize(
+    ("key", "how", "words", "when", "last"),
+    [
+        ("02_lazy_pirate", "SIGABRT", ["--count", "1000", "--tries", "100"], "^20: sent", "1000: sent add 1, received 1000"),
+        ("14_long_jobs", "SIGKILL", ["--tries", "100"], " of 100$", "done: succeeded, 100 bytes, sum 5050"),
+    ],
+)
+def test_a_server_that_was_killed_is_started_again_and_loses_nothing(key, how, words, when, last, start, tmp_path):
+    """As an assertion of libzmq's ends it, or the system where the memory is full."""
+    mark, endpoint = Mark(), steady_endpoint()
+    own = ["--endpoint", endpoint, "--journal", str(tmp_path / "journal")]
+    kit = start(PYTHON, ROOT / "kit.py", "server", key, "--reload", *own, **mark.environment)
+    kit.wait_for("^listening on")
+    client = start(PYTHON, ROOT / "python" / key / "client.py", "--endpoint", endpoint, *words)
+    client.wait_for(when)
+    begin = len(kit.lines)
+    (number,) = (number for number, command in mark.processes().items() if "server.py" in command)
+    os.kill(number, getattr(signal, how))
+    kit.wait_for(r"^kit    \| the server was killed: starting anew$", start=begin)
+    kit.wait_for("^listening on", start=begin)
+    assert client.wait() == 0, client.output
+    assert last in client.lines[-2:], client.output
+    assert kit.stop(signal.SIGINT) == 130
+    assert mark.gone()
 
 
 def test_a_server_of_ones_own(start, tmp_path):

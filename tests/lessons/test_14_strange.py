@@ -391,7 +391,7 @@ def test_a_client_gives_up_on_a_server_that_accepts_and_says_nothing_readable(si
         found = runs(side, KEY, [["--endpoint", one.endpoint, "--timeout", "1", "--tries", "3"] for one in servers])
     for run in found:
         assert run.code == 1 and len(run.lines) < 12, run.lines
-        assert re.fullmatch("gave up: no word of it .* in 3 tries of 1 s; (wrong-type|bad-json): .*", run.lines[-1])
+        assert re.fullmatch("gave up: no word of it .* in 3 tries of .* s; (wrong-type|bad-json): .*", run.lines[-1])
 
 
 @each_side

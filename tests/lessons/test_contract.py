@@ -17,7 +17,8 @@ import zmq
 
 from kitlib.lessons import Lesson, lessons
 from tests.bad_peers import cuts_off_what_is_endless
-from tests.programs import PATIENT, ROOT, free_port
+from tests.conftest import PYTHON
+from tests.programs import PATIENT, ROOT, finished, free_port
 
 sys.path.append(str(ROOT / "python" / "15_security"))
 from netmq_example.program import IN_USE
@@ -295,6 +296,19 @@ def test_python_programs_say_why_they_end(key, run, serve, tmp_path, monkeypatch
         assert [wait for wait in waits if not 0 <= wait <= 200] == [], ended
         limits = [line.split()[2:] for line in ended.lines if line.startswith("connects tcp")]
         assert limits and all(0 < int(largest) < 2**30 and int(linger) >= 0 for largest, linger in limits), ended
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there is no such limit")
+@pytest.mark.parametrize("key", ["01_request_reply", "02_lazy_pirate", "06_many_in_flight"])
+def test_too_few_open_files_are_one_line(key, tmp_path):
+    """libzmq itself would abort in some lessons, and pyzmq print a traceback in others."""
+    few = ["sh", "-c", 'ulimit -n 8; exec "$@"', "few", PYTHON]
+    for program in "server.py", "client.py":
+        done = finished([*few, ROOT / "python" / key / program, "--endpoint", "tcp://127.0.0.1:1"], cwd=tmp_path)
+        assert (done.returncode, done.stdout) == (1, ""), done
+        assert done.stderr.splitlines() == [
+            "failed: it may open 8 files, and needs 32: allow more, as by ulimit -n 1024"
+        ]
 
 
 LISTENERS = {

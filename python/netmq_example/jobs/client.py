@@ -88,7 +88,8 @@ class JobClient(OneProcess):
         self.tries = check.count("tries", tries)
         self.report = check.function("report", report)
         self.request = self.ask("status")
-        self.dropped = False
+        # What was wrong with a message of this try.
+        self.dropped = ""
         # What the socket is connected to, as soon as it is known where the server is.
         self.where = ""
         self.socket = self.open()
@@ -121,6 +122,7 @@ class JobClient(OneProcess):
         silent_tries = 0
         heard_at = time.monotonic()
         while True:
+            repeated = False
             self.send(self.request)
             # Twice within its timeout: work that has nothing to say for so long is no server that is away.
             ask_again_at = time.monotonic() + min(ASK_AGAIN_SECONDS, self.timeout / 2)
@@ -128,28 +130,36 @@ class JobClient(OneProcess):
                 news = self.receive()
                 if not news:
                     continue
-                silent_tries = 0
                 # The same number was told already: the answer to the same question. A lower one is new, too: the
                 # server has begun the job once more, with another journal.
-                if news.kind in ENDS or news.values["seq"] != seq:
-                    seq = news.values.get("seq", seq)
-                    yield news
+                if news.kind not in ENDS and news.values["seq"] == seq:
+                    repeated = True
+                    continue
+                seq = news.values.get("seq", seq)
+                yield news
                 if news.kind in ENDS:
                     return
+                silent_tries = 0
                 # How long the caller takes for it is no silence of the server's.
+                heard_at = time.monotonic()
+            # Where its newer words cannot be read, to repeat the old ones is no news.
+            if repeated and not self.dropped:
+                silent_tries = 0
                 heard_at = time.monotonic()
             timeout = longer(self.timeout, silent_tries)
             if time.monotonic() < heard_at + timeout:
                 continue
             silent_tries += 1
             if silent_tries == self.tries:
-                cure = self.search.cure("is the server running?")
                 why = f"no word of it from {self.endpoint} in {tried(self.tries)} of up to {timeout:g} s"
-                raise TimeoutError(f"{why}; {cure} Its id is {self.job}")
+                raise TimeoutError(
+                    f"{why}; {self.dropped or self.search.cure('is the server running?')} Its id is {self.job}"
+                )
             self.report(f"no word within {timeout:g} s; try {silent_tries + 1} of {self.tries}")
             # A new socket helps, whatever was wrong with this one.
             self.socket.close()
             self.socket = self.open()
+            self.dropped = ""
             heard_at = time.monotonic()
 
     def cancel(self) -> None:
@@ -164,10 +174,10 @@ class JobClient(OneProcess):
         except zmq.Again:
             return None
         except MessageError as error:
-            # One line for each time that it asks: many that are wrong must not fill a disk.
+            # One line for each try: many that are wrong must not fill a disk.
             if not self.dropped:
                 self.report(f"dropped: {error}")
-            self.dropped = True
+            self.dropped = f"{error}: are both sides of one release?"
             return None
         try:
             return self.checked(news)
@@ -187,7 +197,6 @@ class JobClient(OneProcess):
 
     def send(self, request: Message) -> None:
         self.check_process()
-        self.dropped = False
         if not self.where:
             self.where = self.search.look(SLICE_MS / 1000)
             if self.where:

@@ -32,7 +32,8 @@ namespace NetMQExample
         private readonly int tries;
         private readonly Action<string> report;
         private int cancel;
-        private bool dropped;
+        // What was wrong with a message of this try.
+        private string dropped;
 
         /// <summary>Connects, which succeeds even while no server is there: ZeroMQ goes on trying.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5564</c>.</param>
@@ -99,6 +100,7 @@ namespace NetMQExample
             while (true)
             {
                 Send(request, stop);
+                var repeated = false;
                 for (var asked = Stopwatch.StartNew(); asked.Elapsed < again;)
                 {
                     if (Interlocked.Exchange(ref cancel, 0) > 0)
@@ -107,17 +109,28 @@ namespace NetMQExample
                         Send(request, stop);
                     }
                     if (!TryReceive(stop, out var news)) continue;
-                    silent = 0;
                     var end = news.Kind == "result" || news.Kind == "forgotten";
                     if (news.Kind == "forgotten" && request.Kind != "forget")
                         throw new MessageException("forgotten", "its result was deleted; begin a job with a new id");
                     // The same number was told already: the answer to the same question. A lower one is new, too: the
                     // server has begun the job once more, with another journal.
-                    if (end || news.Seq != seq) yield return news;
+                    if (!end && news.Seq == seq)
+                    {
+                        repeated = true;
+                        continue;
+                    }
+                    yield return news;
                     // How long the caller takes for it is no silence of the server's.
                     since.Restart();
+                    silent = 0;
                     seq = news.Seq;
                     if (end) yield break;
+                }
+                // Where its newer words cannot be read, to repeat the old ones is no news.
+                if (repeated && dropped == null)
+                {
+                    silent = 0;
+                    since.Restart();
                 }
                 var patience = NetMQConnection.Longer(timeout, silent);
                 if (since.Elapsed < patience) continue;
@@ -125,10 +138,11 @@ namespace NetMQExample
                 silent++;
                 if (silent == tries)
                     throw new TimeoutException($"no word of it from {endpoint} in {NetMQConnection.Tries(tries)} of "
-                        + $"up to {limit}; is the server running? Its id is {Job}");
+                        + $"up to {limit}; {dropped ?? "is the server running?"} Its id is {Job}");
                 report($"no word within {limit}; try {silent + 1} of {tries}");
                 // A new socket helps, whatever was wrong with this one.
                 connection.Close();
+                dropped = null;
                 since.Restart();
             }
         }
@@ -143,7 +157,6 @@ namespace NetMQExample
         // Without waiting: after a peer that broke the protocol there may be no connection to send on.
         private void Send(Message request, CancellationToken stop)
         {
-            dropped = false;
             connection.TrySend(TimeSpan.Zero, stop, request.Header());
         }
 
@@ -163,9 +176,9 @@ namespace NetMQExample
             }
             catch (MessageException e)
             {
-                // One line for each time that it asks: many that are wrong must not fill a disk.
-                if (!dropped) report($"dropped: {LogText.Printable(e.Message)}");
-                dropped = true;
+                // One line for each try: many that are wrong must not fill a disk.
+                if (dropped == null) report($"dropped: {LogText.Printable(e.Message)}");
+                dropped = $"{LogText.Printable(e.Message)}: are both sides of one release?";
                 return false;
             }
             if (message.Kind == "rejected")
