@@ -17,6 +17,7 @@ namespace NetMQExample.Terminal
         private static int Main(string[] words)
         {
             Console.OutputEncoding = new System.Text.UTF8Encoding(false);
+            AppDomain.CurrentDomain.UnhandledException += (_, thrown) => EndIfNetMQs((Exception)thrown.ExceptionObject);
             // .NET hands what arrives at a socket to its thread pool, and NetMQ's callback there hands it on to NetMQ's own
             // thread at once: this leaves the detour out. Only for a program whose other sockets never block in a callback.
             Environment.SetEnvironmentVariable("DOTNET_SYSTEM_NET_SOCKETS_INLINE_COMPLETIONS", "1");
@@ -45,6 +46,14 @@ namespace NetMQExample.Terminal
                 Console.Error.WriteLine($"gave up: {e.Message}");
                 return 1;
             }
+        }
+
+        // On NetMQ's own thread nobody can catch what a few bytes of a server's throw there: SECURITY.md has more.
+        private static void EndIfNetMQs(Exception error)
+        {
+            if (error.StackTrace?.Contains("NetMQ.Core.Utils.Proactor") != true) return;
+            Console.Error.WriteLine($"gave up: NetMQ cannot read what the server sent: {LogText.Printable(error.Message)}; is it one of this kit?");
+            Environment.Exit(1);
         }
 
         private static MethodInfo Lesson(string? number)

@@ -156,3 +156,18 @@ def web_server(handler, port=0):
             # a listener of another test, when that is closed, would go on listening for up to half a second.
             server.shutdown()
             thread.join()
+
+
+class NetMQsFault(Listener):
+    """Greets with these bytes, which end NetMQ's own thread."""
+
+    def __init__(self, mechanism, said):
+        self.greeting = b"\xff" + bytes(8) + b"\x7f\x03\0" + mechanism.ljust(20, b"\0") + bytes(32)
+        self.said = said
+
+    def serve(self, peer):
+        peer.sendall(self.greeting)
+        peer.recv(64, socket.MSG_WAITALL)
+        peer.sendall(self.said)
+        while peer.recv(4096):
+            pass

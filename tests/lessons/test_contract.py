@@ -16,7 +16,7 @@ import pytest
 import zmq
 
 from kitlib.lessons import Lesson, lessons
-from tests.bad_peers import cuts_off_what_is_endless
+from tests.bad_peers import NetMQsFault, cuts_off_what_is_endless
 from tests.conftest import PYTHON
 from tests.programs import PATIENT, ROOT, finished, free_port
 
@@ -296,6 +296,24 @@ def test_python_programs_say_why_they_end(key, run, serve, tmp_path, monkeypatch
         assert [wait for wait in waits if not 0 <= wait <= 200] == [], ended
         limits = [line.split()[2:] for line in ended.lines if line.startswith("connects tcp")]
         assert limits and all(0 < int(largest) < 2**30 and int(linger) >= 0 for largest, linger in limits), ended
+
+
+READY = b"\x05READY\x0bSocket-Type\0\0\0\x06ROUTER"
+FAULTS = {
+    "an empty command": ("01_request_reply", b"NULL", b"\x04" + bytes([len(READY)]) + READY + b"\x04\0"),
+    "a property of 4 GB": ("01_request_reply", b"NULL", b"\x04\x0c\x05READY\x01X" + b"\xff" * 4),
+    "READY before WELCOME": ("15_security", b"CURVE", b"\x04\x2e\x05READY" + bytes(40)),
+}
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_what_netmq_cannot_read_ends_a_csharp_client_in_one_line(name, start, client_command, tmp_path):
+    key, *bad = FAULTS[name]
+    with NetMQsFault(*bad) as server:
+        client = start(*client_command("csharp", key, server.endpoint, *secrets(key, tmp_path)))
+        assert client.wait() == 1
+    asking, ended = client.lines
+    assert re.fullmatch("gave up: NetMQ cannot read what the server sent: .*; is it one of this kit\\?", ended)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no such limit")
