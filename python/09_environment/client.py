@@ -25,7 +25,7 @@ WORLDS = {"CartPole": CartPole, "Car": RoadCar}
 def main() -> None:
     parser = client_options("Simulates what an environment steps.", "tcp://127.0.0.1:5559", timeout=30, beacon=True)
     parser.add_argument("--world", choices=sorted(WORLDS), default="CartPole", help="what to simulate")
-    parser.add_argument("--count", type=whole, default=0, help="how many episodes; 0: until it is closed")
+    parser.add_argument("--count", type=whole, default=0, help="how many episodes to begin; 0: until it is closed")
     options = parser.parse_args()
     show(f"asking {options.endpoint}")
     simulator = Simulator(WORLDS[options.world]())

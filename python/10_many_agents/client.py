@@ -31,7 +31,7 @@ def main() -> None:
     )
     parser.add_argument("--world", choices=["CartPole", "Car", "Pursuit"], default="Pursuit", help="what to simulate")
     parser.add_argument("--areas", type=players.areas, default=16, help="how many areas of CartPole or Car")
-    parser.add_argument("--count", type=whole, default=0, help="how many episodes; 0: until it is closed")
+    parser.add_argument("--count", type=whole, default=0, help="how many episodes to begin; 0: until it is closed")
     options = parser.parse_args()
     show(f"asking {options.endpoint}")
     kind = RoadCar if options.world == "Car" else CartPole

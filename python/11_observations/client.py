@@ -21,7 +21,7 @@ with importing("gymnasium; kit.py run 11 installs it", stopped="stopped"):
 
 def main() -> None:
     parser = client_options("Simulates a car that collects coins.", "tcp://127.0.0.1:5561", timeout=30, beacon=True)
-    parser.add_argument("--count", type=whole, default=0, help="how many episodes; 0: until it is closed")
+    parser.add_argument("--count", type=whole, default=0, help="how many episodes to begin; 0: until it is closed")
     parser.add_argument("--agents", type=whole, default=1, help="how many cars; more than one are agent_0, agent_1 …")
     options = parser.parse_args()
     if not 1 <= options.agents <= 1024:

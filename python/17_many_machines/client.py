@@ -28,7 +28,7 @@ def main() -> None:
     )
     parser.add_argument("--keys", type=client_keys, metavar="DIR", help="server.key and this simulator's pair")
     parser.add_argument("--build", default="1", help="what the hub must expect")
-    parser.add_argument("--count", type=whole, default=0, help="how many episodes; 0: until it is sent home")
+    parser.add_argument("--count", type=whole, default=0, help="how many episodes to begin; 0: until it is sent home")
     parser.add_argument("--crash-after", type=whole, default=0, metavar="N", help="end without a word after N steps")
     parser.add_argument("--delay", type=seconds, default=0, help="seconds that each step takes")
     options = parser.parse_args()

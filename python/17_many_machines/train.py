@@ -65,12 +65,12 @@ def main() -> None:
     parser.add_argument("--each", action="store_true", help="print each episode's return")
     parser.add_argument("--keys", default="", metavar="DIR", help="server.key and this trainer's pair")
     parser.add_argument(
-        "--wait", type=positive_seconds, default=60, help="seconds to wait for simulators, and for each step"
+        "--timeout", type=positive_seconds, default=60, help="seconds to wait for simulators, and for each step"
     )
     options = parser.parse_args()
     try:
         keys = ClientKeys(options.keys).apply if options.keys else None
-        where: dict[str, Any] = {"wait": options.wait, "timeout": options.wait, "autoreset_mode": "Disabled"}
+        where: dict[str, Any] = {"wait": options.timeout, "timeout": options.timeout, "autoreset_mode": "Disabled"}
         with FleetSocket(options.endpoint, "CartPole", options.areas, keys) as socket:
             envs = gymnasium.make_vec("NetMQExample/CartPole-v0", options.areas, socket=socket, **where)
             returns = play(envs, options.episodes)

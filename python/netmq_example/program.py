@@ -70,7 +70,9 @@ def server_options(about: str | None, endpoint: str) -> argparse.ArgumentParser:
     """The options of every server. `about` is the program's docstring, whose first line its --help shows."""
     parser = Options(description=(about or "").partition("\n")[0])
     parser.add_argument("--endpoint", type=server_endpoint(endpoint), default=endpoint, help="port 0 takes a free one")
-    parser.add_argument("--open-to-anyone", action="store_true", help="also from other machines, without keys")
+    parser.add_argument(
+        "--open-to-anyone", action="store_true", help="other machines too: any of them can end the server"
+    )
     parser.add_argument("--beacon", type=a_name, metavar="NAME", help="clients may look for it as beacon://NAME:PORT")
     return parser
 
@@ -102,7 +104,8 @@ def listening(
     """
     endpoint = endpoint or options.endpoint
     if not (LOOPBACK.match(endpoint) or options.open_to_anyone or getattr(options, "keys", None)):
-        print(f"'{endpoint}' lets anyone in: lesson 15 has keys, --open-to-anyone has none", file=sys.stderr)
+        risk = "would let anyone in, who could end this server at will"
+        print(f"refused: '{endpoint}' {risk}; use lesson 15's keys, or add --open-to-anyone", file=sys.stderr)
         sys.exit(2)
     with zmq.Context() as context, context.socket(kind) as socket:
         limit(socket, largest)

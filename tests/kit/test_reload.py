@@ -45,7 +45,13 @@ def test_a_file_that_cannot_be_looked_at_ends_nothing(tmp_path):
 @pytest.mark.parametrize(
     ("key", "how", "words", "when", "last"),
     [
-        ("02_lazy_pirate", "SIGABRT", ["--count", "1000", "--tries", "100"], "^20: sent", "1000: sent add 1, received 1000"),
+        (
+            "02_lazy_pirate",
+            "SIGABRT",
+            ["--count", "1000", "--tries", "100"],
+            "^20: sent",
+            "1000: sent add 1, received 1000",
+        ),
         ("14_long_jobs", "SIGKILL", ["--tries", "100"], " of 100$", "done: succeeded, 100 bytes, sum 5050"),
     ],
 )

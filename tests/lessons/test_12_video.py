@@ -135,6 +135,20 @@ def filmer(context):
 
 
 @each_terminal
+def test_a_python_that_leaves_behind_each_welcome_is_not_asked_at_once(kind, filmer, start, client_command):
+    """It was asked 300 times a second, with a line each."""
+    start(*client_command(kind, KEY, filmer.endpoint))
+    end = None
+    hellos = 0
+    while not end or time.monotonic() < end:
+        filmer.greet()
+        filmer.say("close")
+        hellos += 1
+        end = end or time.monotonic() + 3
+    assert hellos < 10
+
+
+@each_terminal
 def test_pictures_are_equal_to_the_byte(kind, filmer, start, client_command):
     """With those of a drive of the test's own, at the step whose number is drawn into the front view."""
     start(*client_command(kind, KEY, filmer.endpoint, "--count", "0"))

@@ -258,7 +258,10 @@ def test_a_job_that_cannot_be_read_or_done_any_more_is_not_the_others_business(j
             (other, f"goal = CAST(replace(CAST(goal AS TEXT), '{other.job}', 'another') AS BLOB)"),
             (far, f"news = CAST(replace(CAST(news AS TEXT), '\"seq\":0', '\"seq\":{2**53 - 1}') AS BLOB)"),
             (past, "news = CAST(replace(CAST(news AS TEXT), 'accepted', 'forgotten') AS BLOB)"),
-            (sign, f"""id = char(27), {", ".join(escaped.format(column=one, job=sign.job) for one in ("goal", "news"))}"""),
+            (
+                sign,
+                f"""id = char(27), {", ".join(escaped.format(column=one, job=sign.job) for one in ("goal", "news"))}""",
+            ),
             (odd, "goal = CAST(replace(CAST(goal AS TEXT), '\"count\",', '\"paint\",') AS BLOB)"),
         ):
             done = journal.execute(f"UPDATE jobs SET {change} WHERE id = ?", (job.job,))

@@ -187,7 +187,7 @@ def test_a_trainer_says_in_one_line_what_is_wrong(context):
     with context.socket(zmq.ROUTER) as strange, ThreadPoolExecutor() as pool:
         strange.linger, strange.rcvtimeo = 0, 100_000
         port, nobody = strange.bind_to_random_port("tcp://127.0.0.1"), f"tcp://127.0.0.1:{free_port()}"
-        words = [["nonsense"], [f"tcp://127.0.0.1:{port}"], [nobody, "--areas", "1", "--wait", "3"]]
+        words = [["nonsense"], [f"tcp://127.0.0.1:{port}"], [nobody, "--areas", "1", "--timeout", "3"]]
         trainers = pool.submit(python_runs, TRAIN, [["--endpoint", *each] for each in words])
         peer, *_ = strange.recv_multipart()
         strange.send_multipart([peer, *messages.Message("alive").frames()])
@@ -480,7 +480,7 @@ def test_with_keys_it_is_found_by_its_own_and_lets_in_whoever_is_on_its_list(
         assert not stranger.poll(0)
     # Whoever is not on the list any more is not heard, though its connection is still there.
     keys.revoke(folder, "alice")
-    assert played(train(endpoint, 1, 3, "--keys", str(folder), "--wait", "1"), code=1) == []
+    assert played(train(endpoint, 1, 3, "--keys", str(folder), "--timeout", "1"), code=1) == []
 
 
 def test_a_hub_without_the_keys_it_was_told_says_so(runs):

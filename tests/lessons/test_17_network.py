@@ -73,7 +73,7 @@ def test_an_episode_goes_on_after_the_cable_of_its_simulators_was_pulled(machine
 def test_a_trainer_whose_cable_was_pulled_leaves_its_simulators_to_others(machines, hub, simulators, train):
     server = hub()
     simulators("python", "python")
-    first = train(2, 100_000, "--wait", "10")
+    first = train(2, 100_000, "--timeout", "10")
     server.wait_for(r"^2 simulators, \d free, 1 trainers, 1 at work")
     told = len(server.lines)
     machines.cable("trainer", "down")

@@ -29,4 +29,4 @@ srun --ntasks="$SIMULATORS" bash -c 'until "$@"; do sleep 1; done' simulator \
 
 # The job ends with its trainer.
 "$PYTHON" $LESSON/train.py --endpoint "tcp://127.0.0.1:$PORT" --keys "$KEYS" \
-    --areas "$SIMULATORS" --episodes "${EPISODES:-1000}" --wait 330
+    --areas "$SIMULATORS" --episodes "${EPISODES:-1000}" --timeout 330

@@ -167,7 +167,7 @@ def checked(request: Any, answer: Any) -> Any:
         code, text = (str(answer.values.get(name, "not said")) for name in ("code", "text"))
         if code == "unknown-peer":
             # Lesson 17's hub knows nobody when it has been started anew.
-            raise Lost("the hub is new")
+            raise Lost("the hub does not know this trainer: it was started anew, or the line was cut")
         raise MessageError(code[:40], text[:200])
     if isinstance(request, Record):
         if not isinstance(answer, Record):

@@ -224,6 +224,8 @@ class ViewSender:
                 pass
             # So many milliseconds for what was sent last; without them it would be dropped.
             socket.linger = 200
+            # One that leaves behind each welcome is not asked again at once.
+            stop.wait(TRY_SECONDS)
         except (MessageError, ConnectionError, zmq.Again) as error:
             self.report(f"trouble: {error}: no more pictures are taken")
             raise

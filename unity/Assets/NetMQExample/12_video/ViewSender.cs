@@ -118,6 +118,8 @@ namespace NetMQExample
             {
                 dealer.Send(new Message("closed", request.Id), stop);
                 dealer.Flush();
+                // One that leaves behind each welcome is not asked again at once.
+                stop.WaitHandle.WaitOne(Try);
                 return;
             }
             if (request != null && Array.IndexOf(Requests, request.Kind) >= 0)
