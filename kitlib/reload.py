@@ -1,5 +1,5 @@
-"""What stands behind `server N --reload`: a program that is started anew when one of its Python files is saved, and when
-it was ended by a signal, as by an assertion of libzmq's or by the system.
+"""What stands behind `server N --reload`: a program that is started anew when one of its Python files is saved, and
+when a signal has ended it, as an assertion of libzmq's does.
 """
 
 from __future__ import annotations

@@ -70,9 +70,7 @@ def server_options(about: str | None, endpoint: str) -> argparse.ArgumentParser:
     """The options of every server. `about` is the program's docstring, whose first line its --help shows."""
     parser = Options(description=(about or "").partition("\n")[0])
     parser.add_argument("--endpoint", type=server_endpoint(endpoint), default=endpoint, help="port 0 takes a free one")
-    parser.add_argument(
-        "--open-to-anyone", action="store_true", help="other machines too: any of them can end the server"
-    )
+    parser.add_argument("--open-to-anyone", action="store_true", help="other machines too: each can end the server")
     parser.add_argument("--beacon", type=a_name, metavar="NAME", help="clients may look for it as beacon://NAME:PORT")
     return parser
 

@@ -239,6 +239,9 @@ def test_a_server_says_in_one_line_what_it_cannot_use(runs, tmp_path):
     assert before == [path.read_bytes() for path in others.values()]
 
 
+COLUMNS = "goal", "news"
+
+
 def test_a_job_that_cannot_be_read_or_done_any_more_is_not_the_others_business(jobs_server, peer, tmp_path):
     server, endpoint = jobs_server("--workers", "1")
     damaged = (newer, cut, bare, number, text, other, far, past, sign) = [peer(endpoint) for _ in range(9)]
@@ -258,10 +261,7 @@ def test_a_job_that_cannot_be_read_or_done_any_more_is_not_the_others_business(j
             (other, f"goal = CAST(replace(CAST(goal AS TEXT), '{other.job}', 'another') AS BLOB)"),
             (far, f"news = CAST(replace(CAST(news AS TEXT), '\"seq\":0', '\"seq\":{2**53 - 1}') AS BLOB)"),
             (past, "news = CAST(replace(CAST(news AS TEXT), 'accepted', 'forgotten') AS BLOB)"),
-            (
-                sign,
-                f"""id = char(27), {", ".join(escaped.format(column=one, job=sign.job) for one in ("goal", "news"))}""",
-            ),
+            (sign, f"id = char(27), {', '.join(escaped.format(column=one, job=sign.job) for one in COLUMNS)}"),
             (odd, "goal = CAST(replace(CAST(goal AS TEXT), '\"count\",', '\"paint\",') AS BLOB)"),
         ):
             done = journal.execute(f"UPDATE jobs SET {change} WHERE id = ?", (job.job,))

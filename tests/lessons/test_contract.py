@@ -312,7 +312,7 @@ def test_what_netmq_cannot_read_ends_a_csharp_client_in_one_line(name, start, cl
     with NetMQsFault(*bad) as server:
         client = start(*client_command("csharp", key, server.endpoint, *secrets(key, tmp_path)))
         assert client.wait() == 1
-    asking, ended = client.lines
+    _, ended = client.lines
     assert re.fullmatch("gave up: NetMQ cannot read what the server sent: .*; is it one of this kit\\?", ended)
 
 
@@ -320,7 +320,7 @@ def test_what_netmq_cannot_read_ends_a_csharp_client_in_one_line(name, start, cl
 @pytest.mark.parametrize("key", ["01_request_reply", "02_lazy_pirate", "06_many_in_flight"])
 def test_too_few_open_files_are_one_line(key, tmp_path):
     """libzmq itself would abort in some lessons, and pyzmq print a traceback in others."""
-    few = ["sh", "-c", 'ulimit -n 8; exec "$@"', "few", PYTHON]
+    few = ["sh", "-c", 'ulimit -n 8; exec "$@"', "few", str(PYTHON)]
     for program in "server.py", "client.py":
         done = finished([*few, ROOT / "python" / key / program, "--endpoint", "tcp://127.0.0.1:1"], cwd=tmp_path)
         assert (done.returncode, done.stdout) == (1, ""), done

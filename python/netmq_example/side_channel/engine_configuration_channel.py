@@ -17,7 +17,6 @@ from netmq_example.side_channel.incoming_message import FLOAT32, INT32
 from netmq_example.side_channel.outgoing_message import packed
 from netmq_example.side_channel.side_channel import IncomingMessage, OutgoingMessage, SideChannel
 
-
 # ML-Agents has 1 to 100, which is all that Unity's editor takes: faster than that, a game only stands still.
 LEAST_TIME_SCALE, MOST_TIME_SCALE = 1.0, 100.0
 # Pixels, the largest texture of most graphics cards.
