@@ -30,6 +30,8 @@ import signal
 # Where PYTHONSAFEPATH is set, a program's own folder is not on the path.
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 os.environ.pop("PYTHONSAFEPATH", None)
+# It would leave out each assert of a test, and the help of a program.
+os.environ.pop("PYTHONOPTIMIZE", None)
 
 if __name__ == "__main__" and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
     # Until main() takes over nothing is there to be cleared up, and a Ctrl-C would only show a traceback.
@@ -41,4 +43,4 @@ from kitlib import commands
 COMMANDS = ("run", "server", "client", "test", "list", "doctor", "bench", "copy", "unity", "play", "pack")
 
 if __name__ == "__main__":
-    sys.exit(commands.main(__doc__, COMMANDS, sys.argv[1:]))
+    sys.exit(commands.main(COMMANDS, sys.argv[1:]))

@@ -19,7 +19,6 @@ PACKAGE = ROOT / "unity" / "Assets" / "NetMQExample"
 PACKAGES = ROOT / "packages"
 WINDOWS = os.name == "nt"
 KIT = "py kit.py" if WINDOWS else "python3 kit.py"
-UNWRITABLE = "this folder cannot be written to: copy the kit to a folder of your own"
 
 
 class KitError(Exception):
@@ -44,6 +43,28 @@ def writable(folder: Path) -> bool:
         return False
 
 
+def unwritable(path: Path) -> str:
+    """Why nothing can be written there: what is in the way, and whose it is."""
+    there = Path(os.path.realpath(path))
+    while not os.path.lexists(there):
+        there = there.parent
+    try:
+        owner = f", which belongs to {there.owner()},"
+    except KeyError:
+        owner = f", which belongs to user {there.stat().st_uid},"
+    except (NotImplementedError, OSError):
+        # Windows does not say.
+        owner = ""
+    return f"{there}{owner} cannot be written to: copy the kit to a folder of your own"
+
+
+def denied(output: str) -> str:
+    """What another program was not allowed to write, by its own words, and whose it is; or nothing."""
+    found = re.search(r"(?:denied: |Access to the path )'([^']+)'", output)
+    # On Windows a program that still uses the file is what denies it, most often.
+    return unwritable(Path(found[1])) if found and not WINDOWS else ""
+
+
 def recall(path: Path) -> dict[str, Any]:
     """What `keep` has kept; a file that is damaged is as good as none."""
     try:
@@ -66,6 +87,11 @@ def keep(path: Path, text: str) -> None:
             new.unlink(missing_ok=True)
         except OSError:
             pass
+
+
+def docstring(path: Path) -> str:
+    """What stands at the top of a program. PYTHONOPTIMIZE takes it away from what is imported or run."""
+    return ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"), str(path))) or ""
 
 
 @dataclass(frozen=True)
@@ -105,8 +131,7 @@ class Lesson:
     @property
     def header(self) -> str:
         """What stands at the top of the server."""
-        path = self.python / "server.py"
-        return ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"), str(path))) or self.key
+        return docstring(self.python / "server.py") or self.key
 
     @property
     def title(self) -> str:

@@ -250,11 +250,17 @@ def ask_to_end(process: subprocess.Popen[Any]) -> None:
             process.terminate()
 
 
-def step(what: str, command: Sequence[str | Path], limit: float, env: Mapping[str, str] | None = None) -> Result:
+def step(
+    what: str,
+    command: Sequence[str | Path],
+    limit: float,
+    env: Mapping[str, str] | None = None,
+    cwd: Path | None = None,
+) -> Result:
     """A long step: says what it does before it starts, and how long it took."""
     say(f"{what} …")
     start = time.monotonic()
-    result = quietly(command, limit, env)
+    result = quietly(command, limit, env, cwd)
     if result.ok:
         say(f"{what}: done in {time.monotonic() - start:.0f} s")
     return result

@@ -15,18 +15,19 @@ import platform
 import re
 import sys
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from types import ModuleType
 from typing import NoReturn
 
-from kitlib.lessons import KIT, UNWRITABLE, KitError, UsageError
+from kitlib.lessons import KIT, ROOT, KitError, UsageError, docstring, unwritable
 from kitlib.setup.python_setup import project
 from kitlib.signals import interruptible
 from kitlib.terminal import coloured, nobody_reads, open_streams
 
 
-def main(about: str, names: Sequence[str], words: list[str]) -> int:
+def main(names: Sequence[str], words: list[str]) -> int:
     """Do what the command line says; returns the exit code."""
-    return guarded(lambda: start(about, names, words))
+    return guarded(lambda: start(names, words))
 
 
 def guarded(work: Callable[[], int]) -> int:
@@ -58,15 +59,15 @@ def guarded(work: Callable[[], int]) -> int:
         if isinstance(error, FileExistsError | NotADirectoryError):
             why = "it is in the way: name another place"
         elif isinstance(error, PermissionError):
-            why = UNWRITABLE
+            why = unwritable(Path(str(error.filename or ROOT)))
         print(coloured("kit    |", "error", sys.stderr), f"{error}; {why}", file=sys.stderr)
         return 1
 
 
-def start(about: str, names: Sequence[str], words: list[str]) -> int:
+def start(names: Sequence[str], words: list[str]) -> int:
     """Find the command and do it."""
     if not words or words[0] in ("-h", "--help", "help"):
-        print(about.strip().replace("python3 kit.py", KIT))
+        print(docstring(ROOT / "kit.py").replace("python3 kit.py", KIT))
         # Who typed nothing wanted something, and a script must notice that nothing was done.
         return 0 if words else 2
     name = words[0]

@@ -7,8 +7,8 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 
-from kitlib import imports, lessons
-from kitlib.lessons import PACKAGE, ROOT, KitError, Lesson, UsageError, find
+from kitlib import imports
+from kitlib.lessons import KIT, PACKAGE, ROOT, KitError, Lesson, UsageError, find
 from kitlib.setup import python_setup
 from kitlib.terminal import command, say
 from kitlib.unity.install import code, digest, place, without_unity
@@ -64,11 +64,10 @@ def programs(lesson: Lesson, folder: Path) -> tuple[dict[str, bytes], list[str]]
     needs = python_setup.needs(lesson.key)
     others = [need for need in python_setup.imported(found) if need not in needs]
     some = f"; for some of it also {names(others)}" if others else ""
-    python = python_setup.found() or ("py" if lessons.WINDOWS else "python3")
-    return sources(found), [
-        f"needs: {names(needs)}{some}",
-        f"next: {command(python, folder / lesson.key / 'server.py')}",
-    ]
+    python, server = python_setup.found(lesson.key), folder / lesson.key / "server.py"
+    # Without one that has the packages: this command installs them first.
+    start = command(python, server) if python else f"{KIT} server {command(server)}"
+    return sources(found), [f"needs: {names(needs)}{some}", f"next: {start}"]
 
 
 def module(name: str) -> tuple[dict[str, bytes], list[str]]:

@@ -12,7 +12,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from kitlib.lessons import KIT, ROOT, UNWRITABLE, KitError, Lesson, find, lessons, writable
+from kitlib.lessons import KIT, ROOT, KitError, Lesson, find, lessons, unwritable, writable
 from kitlib.programs import quietly
 from kitlib.setup import dotnet, python_setup
 from kitlib.terminal import coloured, command
@@ -37,7 +37,7 @@ def rows(python: Path | None) -> Iterator[Row]:
     """(fine, what, finding) for each thing a lesson may need."""
     yield True, "Python", f"{sys.version.split()[0]} ({sys.executable})"
     fine = writable(ROOT / ".build")
-    yield fine, "folder", str(ROOT) if fine else UNWRITABLE
+    yield fine, "folder", str(ROOT) if fine else unwritable(ROOT / ".build")
     if python is None:
         yield False, "pyzmq", f"missing; `{KIT} run 1` installs it, or says what to run"
     else:

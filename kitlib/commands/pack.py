@@ -9,17 +9,18 @@ import sys
 import tempfile
 from pathlib import Path
 
-from kitlib.lessons import PACKAGES, KitError, UsageError, lessons
+from kitlib.lessons import PACKAGES, ROOT, KitError, UsageError, lessons
 from kitlib.programs import step
 from kitlib.setup import dotnet, python_setup
 from kitlib.terminal import say
 from kitlib.unity.install import LICENCES
 
-# The tags that pip knows a system's wheels by, newer ones first.
+# The tags that pip knows a system's wheels by, newer ones first, for each kind of processor. On macOS pip adds those of
+# earlier systems, and of wheels for both kinds.
 SYSTEMS = {
-    "windows": ["win_amd64"],
-    "macos": ["macosx_14_0_arm64", "macosx_11_0_arm64", "macosx_10_15_universal2", "macosx_10_9_universal2"],
-    "linux": ["manylinux_2_28_x86_64", "manylinux_2_26_x86_64", "manylinux_2_17_x86_64", "manylinux2014_x86_64"],
+    "windows": [["win_amd64"]],
+    "macos": [["macosx_14_0_arm64"], ["macosx_14_0_x86_64"]],
+    "linux": [["manylinux_2_28_x86_64", "manylinux_2_26_x86_64", "manylinux_2_17_x86_64", "manylinux2014_x86_64"]],
 }
 NOTE = """For a room without internet: packages for NetMQExample, {system}, Python {python}.
 
@@ -70,10 +71,11 @@ def pack(folder: Path, system: str | None, version: str | None) -> None:
     if not re.fullmatch(r"3\.(1[1-9]|[2-9]\d)(\.\d+)?", version):
         raise UsageError(f"--python takes a version of 3.11 or later, such as 3.13, not {version}")
     folder.mkdir(parents=True, exist_ok=True)
-    wheels(folder, system, version)
+    for tags in SYSTEMS[system]:
+        wheels(folder, system, version, tags)
     nuget(folder)
     py = "py" if system == "windows" else "python3"
-    note = folder / f"READ_ME_{system}.txt"
+    note = folder / f"READ_ME_{system}_{version}.txt"
     # One of another number may lack what this one has in its own folder, and so did not fetch.
     install = {"linux": INSTALL_ON_LINUX, "windows": INSTALL_ON_WINDOWS}.get(system, INSTALL)
     install = install.format(python=version, sdk=sdk.split(".")[0])
@@ -82,18 +84,18 @@ def pack(folder: Path, system: str | None, version: str | None) -> None:
     say(f"{folder} is ready; its {note.name} says what to do with it")
 
 
-def wheels(folder: Path, system: str, version: str) -> None:
+def wheels(folder: Path, system: str, version: str, tags: list[str]) -> None:
     """The Python packages of all lessons and their tests, by the pip of .venv or of this interpreter."""
-    needs = python_setup.needs(*(lesson.key for lesson in lessons()), "tests", "tests_more")
+    needs = python_setup.needs(*(lesson.key for lesson in lessons()), "tests", "tests-more")
     # Pytest needs it on Windows alone, and pip asks on which system it runs itself.
     needs += ["colorama"] if system == "windows" else []
     own = python_setup.venv_python()
-    tags = [word for tag in SYSTEMS[system] for word in ("--platform", tag)]
+    platforms = [word for tag in tags for word in ("--platform", tag)]
     command = [*python_setup.alone(own if own.exists() else sys.executable), "-m", "pip", "download"]
     command += ["--quiet", "--dest", folder]
-    command += ["--disable-pip-version-check", "--only-binary=:all:", "--python-version", version, *tags, *needs]
+    command += ["--disable-pip-version-check", "--only-binary=:all:", "--python-version", version, *platforms, *needs]
     result = step(
-        f"fetching {', '.join(map(python_setup.name, needs))} for {system}, Python {version}",
+        f"fetching {', '.join(map(python_setup.name, needs))} for {system}, Python {version} ({tags[0]})",
         command,
         600,
         python_setup.ELSEWHERE,
@@ -101,7 +103,7 @@ def wheels(folder: Path, system: str, version: str) -> None:
     if not result.ok:
         why = result.first("ERROR", "No module")
         cure = "try again with internet, or another --python"
-        raise KitError(f"pip could not fetch them for {system}, Python {version}: {why}; {cure}")
+        raise KitError(f"pip could not fetch them for {tags[0]}, Python {version}: {why}; {cure}")
 
 
 def nuget(folder: Path) -> None:
@@ -117,7 +119,7 @@ def nuget(folder: Path) -> None:
             f"-p:RestoreAdditionalProjectSources={dotnet.escaped(store)}",
             f"-p:ArtifactsPath={dotnet.escaped(Path(fetched, 'made'))}",
         ]
-        result = step("fetching NetMQ from NuGet", command, dotnet.TIMEOUT, dotnet.ENVIRONMENT)
+        result = step("fetching NetMQ from NuGet", command, dotnet.TIMEOUT, dotnet.ENVIRONMENT, ROOT)
         if not result.ok:
             raise KitError(f"{dotnet.refusal(result)}: no C# client in {folder}; try again with internet")
         for package in Path(fetched).glob("*/*/*.nupkg"):

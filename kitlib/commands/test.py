@@ -70,7 +70,7 @@ def optional(lesson: Lesson | None) -> tuple[str, ...]:
     """What the tests use where it is there: those of one lesson what the lessons up to it need, on which it builds."""
     if not lesson:
         return tuple(python_setup.tests_extras())
-    return ("tests_more", *(each.key for each in lessons() if each.number <= lesson.number))
+    return ("tests-more", *(each.key for each in lessons() if each.number <= lesson.number))
 
 
 def of_a_lesson(lesson: Lesson, more: list[str]) -> list[str]:

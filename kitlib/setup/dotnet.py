@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from kitlib import lessons
-from kitlib.lessons import KIT, PACKAGE, PACKAGES, ROOT, UNWRITABLE, KitError, keep, recall, writable
+from kitlib.lessons import KIT, PACKAGE, PACKAGES, ROOT, KitError, denied, keep, recall, unwritable, writable
 from kitlib.programs import Result, quietly, step
 from kitlib.setup.lock import locked
 from kitlib.terminal import say
@@ -39,6 +39,13 @@ ENVIRONMENT = {
     "NUGET_ENHANCED_MAX_NETWORK_TRY_COUNT": "2",
     "NUGET_ENHANCED_NETWORK_RETRY_DELAY_MILLISECONDS": "200",
 }
+# MSBuild takes every variable for a property, such as VERSION or OutDir, and an empty one for none. What the system and
+# .NET themselves need has one of these names, or an underscore.
+OF_THE_SYSTEM = (
+    r"PATH|PATHEXT|HOME\w*|USER\w*|LOGNAME|PUBLIC|TMPDIR|TMP|TEMP|LANG|LANGUAGE|TZ|TERM|SHELL|COMSPEC|OS|WINDIR|SYSTEM\w+"
+    r"|APPDATA|LOCALAPPDATA|ALLUSERSPROFILE|(COMMON)?PROGRAM\w+(\(X86\))?|COMPUTERNAME|PSMODULEPATH|\w*_\w*"
+)
+ENVIRONMENT = {name: "" for name in os.environ if not re.fullmatch(OF_THE_SYSTEM, name, re.IGNORECASE)} | ENVIRONMENT
 # In a container HOME may be / or nothing: what dotnet and NuGet keep goes into .build then.
 if not lessons.WINDOWS and not os.access(os.environ.get("HOME", ""), os.W_OK):
     ENVIRONMENT["HOME"] = str(BUILD)
@@ -46,6 +53,8 @@ if not lessons.WINDOWS and not os.access(os.environ.get("HOME", ""), os.W_OK):
 ABSENT = ("NU1101", "NU1102", "NU1103")
 UNREACHABLE = ("NU1301", "NU1801")
 NO_SOURCE = "dotnet nuget add source https://api.nuget.org/v3/index.json -n nuget.org"
+# In the lines in which dotnet says what is wrong, during a build and before there is one.
+ERRORS = (" error ", "Requested SDK", "not found", "not be found", "Couldn't", "No usable", "ailed")
 # The first restore on a Windows machine has to wait for the virus scanner.
 TIMEOUT = 180 if lessons.WINDOWS else 60
 # Where the installers put dotnet: a terminal that was open before does not have it on its PATH yet.
@@ -91,8 +100,9 @@ class NetMQ:
     def properties(self) -> list[str]:
         # Without NuGet its list of vulnerable packages cannot be had either, and asking for it takes long.
         brought = ["-p:NuGetAudit=false", f"-p:RestoreSources={escaped(self.folder)}"] if self.folder else []
-        # One process: the few projects are worth less work than MSBuild's start in a second one.
-        return ["-m:1", *brought]
+        # One process: the few projects are worth less work than MSBuild's start in a second one. No Directory.Build.rsp
+        # of a folder above.
+        return ["-m:1", "-noAutoResponse", *brought]
 
 
 def escaped(value: str | Path) -> str:
@@ -107,8 +117,9 @@ def nuget_folder() -> Path:
 
 
 def restore(netmq: NetMQ) -> Result:
-    # By force, because what an interrupted restore has left looks whole to the next one.
-    return quietly(["dotnet", "restore", CONSOLE, "--force", *netmq.properties], TIMEOUT, ENVIRONMENT)
+    # By force, because what an interrupted restore has left looks whole to the next one. In the kit's folder, whose
+    # global.json counts there, and none of where the user is.
+    return quietly(["dotnet", "restore", CONSOLE, "--force", *netmq.properties], TIMEOUT, ENVIRONMENT, ROOT)
 
 
 def find_netmq(ask_again: bool = False) -> NetMQ:
@@ -129,7 +140,7 @@ def find_netmq(ask_again: bool = False) -> NetMQ:
         except TypeError:
             pass
     if not writable(BUILD):
-        raise NoNetMQ(UNWRITABLE)
+        raise NoNetMQ(unwritable(BUILD))
     netmq = ask_nuget()
     keep(memory, json.dumps({"key": key, **netmq.__dict__}))
     return netmq
@@ -151,13 +162,16 @@ def ask_nuget() -> NetMQ:
 
 def refusal(result: Result) -> str:
     """Why a restore gave no NetMQ, in a few words; any other failure of the restore is not hidden."""
+    if "PackageSourceMapping" in result.output:
+        return "no source for NetMQ and what it needs: add the pattern * to packageSourceMapping in your nuget.config"
     if "NU1100" in result.output:
         return f"no source of NuGet's holds NetMQ (with internet: {NO_SOURCE})"
     if any(code in result.output for code in ABSENT):
         return "NuGet does not hold NetMQ"
     if result.code == 124 or any(code in result.output for code in UNREACHABLE):
         return "NuGet cannot be reached"
-    raise KitError(f"dotnet restore failed: {result.first(' error ')}; is the SDK whole? dotnet --info")
+    why = denied(result.output) or f"{result.first(*ERRORS)}; is the SDK whole? dotnet --info"
+    raise KitError(f"dotnet restore failed: {why}")
 
 
 def fingerprint(netmq: NetMQ, sources: list[Path]) -> str:
@@ -193,7 +207,7 @@ def build(
     if fresh():
         return dll
     if not writable(BUILD):
-        raise KitError(UNWRITABLE)
+        raise KitError(unwritable(BUILD))
     with locked(LOCK):
         # Who held the lock before may have built the same.
         if fresh():
@@ -215,7 +229,7 @@ def build(
             # By this name nobody calls the kit's own.
             "KitAlias": "" if theirs is None else "kit",
         }
-        result = step(f"building {name}", ["dotnet", "build", project, *words], 500, environment)
+        result = step(f"building {name}", ["dotnet", "build", project, *words], 500, environment, ROOT)
         if not result.ok:
             if "error CS" in result.output:
                 raise DoesNotCompile(failure(result), result.output)
@@ -240,6 +254,8 @@ def changed_copy(path: Path) -> bool:
 
 def failure(result: Result) -> str:
     """Why a build has failed: in one line where it is not the code."""
+    if why := denied(result.output):
+        return f"the C# build failed: {why}"
     if any(words in result.output for words in ("No space left", "not enough space")):
         return "the disk is full: the C# build needs some 50 MB in .build"
     if "MSB3021" in result.output or "MSB3027" in result.output:
@@ -247,7 +263,7 @@ def failure(result: Result) -> str:
     if "error NU1301" in result.output:
         return "the C# build needs NuGet, which cannot be reached: try again with internet"
     if "error CS" not in result.output:
-        return f"the C# build failed ({result.first(' error ')}); delete the folder {BUILD} and try again"
+        return f"the C# build failed ({result.first(*ERRORS)}); delete the folder {BUILD} and try again"
     cure = f"fix it; if nobody has changed a file, delete the folder {BUILD}"
     return "\n".join(["the C# build failed:", *compiler_errors(result.output), cure])
 

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from kitlib import imports
-from kitlib.lessons import KIT, PACKAGES, ROOT, UNWRITABLE, KitError, Lesson, keep, recall, writable
+from kitlib.lessons import KIT, PACKAGES, ROOT, KitError, Lesson, denied, keep, recall, unwritable, writable
 from kitlib.programs import Result, quietly, step
 from kitlib.terminal import command, say
 
@@ -193,7 +193,10 @@ def nowhere(names: list[str]) -> str:
         if not any(quietly([sys.executable, "-m", pip, "--version"], limit=60).ok for pip in ("pip", "ensurepip")):
             return f"{sys.executable} has no pip: with internet install it (Debian, Ubuntu: python3-venv)"
     elif shutil.which("apt-get") and sys.executable.startswith("/usr/bin/"):
-        cure = f"sudo apt install {' '.join(DEBIAN.get(each, f'python3-{each}') for each in names)}"
+        packages = [DEBIAN.get(each, f"python3-{each}") for each in names]
+        there = all(quietly(["apt-cache", "show", package], limit=60).ok for package in packages)
+        # With the other one, .venv can be filled: the distribution has no Gymnasium, for example.
+        cure = f"sudo apt install {' '.join(packages) if there else 'python3-venv, and then this again'}"
     return f"no Python with {', '.join(names)} here, and .venv could not be filled; with internet run: {cure}"
 
 
@@ -201,7 +204,7 @@ def found(*extras: str) -> Path | None:
     """The interpreter that lessons run with, or would; sets up nothing."""
     known = [path for path in recall(CHOICE).values() if isinstance(path, str)]
     near = map(Path, [str(venv_python()), *reversed(known), sys.executable])
-    return next((chosen(python) for python in near if python.exists() and has(python, needs(*extras))), None)
+    return next((chosen(python) for python in near if os.path.exists(python) and has(python, needs(*extras))), None)
 
 
 def pip_environment() -> list[str]:
@@ -212,7 +215,7 @@ def pip_environment() -> list[str]:
 def remembered(key: str) -> Path | None:
     """What an earlier run with the same needs has settled on."""
     python = recall(CHOICE).get(key)
-    return Path(python) if isinstance(python, str) and Path(python).exists() else None
+    return Path(python) if isinstance(python, str) and os.path.exists(python) else None
 
 
 def venv_python() -> Path:
@@ -225,11 +228,12 @@ def from_pip(required: list[str], wanted: list[str]) -> Path | None:
     if has(python, wanted):
         return python
     if not writable(BUILD):
-        say(UNWRITABLE)
+        say(unwritable(BUILD))
         return None
-    if VENV.is_file() or (python.exists() and not quietly([*alone(python), "-c", ""], limit=60).ok):
+    # For Path one in a folder where we may not look is an error. It is no use either.
+    made = not os.path.exists(python)
+    if VENV.is_file() or not (made or quietly([*alone(python), "-c", ""], limit=60).ok):
         raise KitError(f"the Python in {VENV} cannot be started: delete {VENV} and run this again")
-    made = not python.exists()
     if made and not make_venv():
         return None
     for requirements in [wanted] if wanted == required else [wanted, required]:
@@ -237,11 +241,13 @@ def from_pip(required: list[str], wanted: list[str]) -> Path | None:
         if result.ok and has(python, requirements):
             return python
         if any(words in result.output for words in NOTHING):
-            say("pip found no package index, or not all of it there")
+            say(f"pip did not get all of it from {index(python)}")
+        elif why := denied(result.output):
+            say(why)
         elif not result.ok:
             say(f"pip could not: {result.first('ERROR', 'error', 'No module').removeprefix('ERROR: ')}")
-        elif setting := sent_elsewhere(python):
-            say(f"pip's setting {setting} fills another folder than .venv: drop it; pip config debug shows its file")
+        elif elsewhere := setting(python, "target", "prefix", "root"):
+            say(f"pip's setting {elsewhere} fills another folder than .venv: drop it; pip config debug shows its file")
         elif missing := lacking(python, requirements):
             # Pip takes for whole what has lost a file.
             say(f"{', '.join(missing)} in {VENV.name} cannot be imported: delete the folder {VENV} and run this again")
@@ -267,11 +273,17 @@ def install(python: Path, requirements: list[str]) -> Result:
     return step(what, command, 600, ELSEWHERE)
 
 
-def sent_elsewhere(python: Path) -> str | None:
-    """What a file of pip's settings says that no variable can undo."""
-    settings = quietly([*alone(python), "-m", "pip", "config", "list"], 60, ELSEWHERE).output
-    found = re.search(r"^\S+\.((?:target|prefix|root)=(?!'').+)", settings, re.MULTILINE)
+def setting(python: Path, *names: str) -> str | None:
+    """`name='value'` of the first of these that is set for pip, by a variable or by a file of its settings."""
+    said = quietly([*alone(python), "-m", "pip", "config", "list"], 60, ELSEWHERE).output
+    found = re.search(rf"^\S+\.((?:{'|'.join(names)})=(?!'').+)", said, re.MULTILINE)
     return found[1] if found else None
+
+
+def index(python: Path) -> str:
+    """Where pip looks for packages, without the password that may stand in it."""
+    chosen = setting(python, "no-index", "index-url") or "https://pypi.org/simple"
+    return re.sub("//[^/]*@", "//", chosen)
 
 
 def make_venv() -> bool:
@@ -281,14 +293,31 @@ def make_venv() -> bool:
     if any(os.path.lexists(other) for other in others if other != venv_python()):
         say(f"{VENV} is of another system or of conda, and stays: copy the kit to a folder of its own for this one")
         return False
+    result = Result(0, "")
     for option in ([], ["--without-pip"]):
         # What a failed try leaves behind would look like an environment to the next.
         shutil.rmtree(VENV, ignore_errors=True)
-        if quietly([sys.executable, "-I", "-m", "venv", *option, VENV], limit=120).ok:
+        if HERE == "linux" and not links_can_be_made():
+            # Of all that is a link in an environment, only this one cannot be a copy. It may be there already.
+            (VENV / "lib64").mkdir(parents=True, exist_ok=True)
+        result = quietly([sys.executable, "-I", "-m", "venv", *option, VENV], limit=120)
+        if result.ok:
             return True
     shutil.rmtree(VENV, ignore_errors=True)
-    say("this Python cannot make a virtual environment (on Debian the package is python3-venv)")
+    said = denied(result.output) or f"{result.first('rror')} (on Debian the package is python3-venv)"
+    say(f"this Python cannot make a virtual environment: {said}")
     return False
+
+
+def links_can_be_made() -> bool:
+    """Not on a stick, in a shared folder or on many a network's drive."""
+    link = BUILD / f"link.{os.getpid()}"
+    try:
+        link.symlink_to("nowhere")
+        link.unlink()
+    except OSError:
+        return False
+    return True
 
 
 def from_this_python(required: list[str]) -> Path | None:

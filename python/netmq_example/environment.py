@@ -16,8 +16,13 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-import numpy as np
-from gymnasium import spaces
+from netmq_example.extras import without
+
+try:
+    import numpy as np
+    from gymnasium import spaces
+except ImportError as error:
+    raise without(error) from None
 
 from netmq_example import check
 from netmq_example.base_env import (

@@ -63,7 +63,21 @@ class Options(argparse.ArgumentParser):
             # A notebook has no file, and the words are those of its kernel. What python -c runs has its own.
             or not (hasattr(sys.modules["__main__"], "__file__") or sys.argv[:1] == ["-c"])
         )
-        return super().parse_args([] if words is None and foreign else words, namespace)
+        found = super().parse_args([] if words is None and foreign else words, namespace)
+        if getattr(found, "until_eof", False):
+            threading.Thread(target=end_at_eof, daemon=True).start()
+        return found
+
+
+def end_at_eof() -> None:
+    """Ctrl-C, as soon as nobody can write to standard input: who started this program closed it, or is gone."""
+    try:
+        while os.read(0, 4096):
+            pass
+    except OSError:
+        # There is none.
+        pass
+    interrupts.again(signal.SIGINT)
 
 
 def server_options(about: str | None, endpoint: str) -> argparse.ArgumentParser:
@@ -72,6 +86,7 @@ def server_options(about: str | None, endpoint: str) -> argparse.ArgumentParser:
     parser.add_argument("--endpoint", type=server_endpoint(endpoint), default=endpoint, help="port 0 takes a free one")
     parser.add_argument("--open-to-anyone", action="store_true", help="other machines too: each can end the server")
     parser.add_argument("--beacon", type=a_name, metavar="NAME", help="clients may look for it as beacon://NAME:PORT")
+    parser.add_argument("--until-eof", action="store_true", help="end when standard input does: with what started it")
     return parser
 
 
@@ -312,7 +327,8 @@ def importing(needs: str, stopped: str | None = None) -> Iterator[None]:
     try:
         yield
     except ImportError as error:
-        raise SystemExit(f"{error}: this lesson needs {needs}") from None
+        # Beyond the colon stands how it is installed without the kit.
+        raise SystemExit(f"{str(error).partition(': ')[0]}: this lesson needs {needs}") from None
     except KeyboardInterrupt:
         raise SystemExit(stopped) from None
 

@@ -22,14 +22,19 @@ It needs stable-baselines3, which needs torch.
 from collections.abc import Callable, Iterator
 from typing import Any
 
-import gymnasium
-import numpy as np
-from gymnasium import spaces
-from gymnasium.spaces import Space
-from gymnasium.utils.env_checker import data_equivalence
-from gymnasium.vector import AutoresetMode
-from gymnasium.vector.utils import iterate
-from stable_baselines3.common.vec_env import VecEnv
+from netmq_example.extras import without
+
+try:
+    import gymnasium
+    import numpy as np
+    from gymnasium import spaces
+    from gymnasium.spaces import Space
+    from gymnasium.utils.env_checker import data_equivalence
+    from gymnasium.vector import AutoresetMode
+    from gymnasium.vector.utils import iterate
+    from stable_baselines3.common.vec_env import VecEnv
+except ImportError as error:
+    raise without(error) from None
 
 from netmq_example.space_bytes import together
 

@@ -11,7 +11,7 @@ import zmq
 from kitlib.docs import guide
 from kitlib.setup import dotnet
 from tests.conftest import PYTHON
-from tests.programs import ROOT, finished, steady_endpoint
+from tests.programs import ROOT, Mark, finds_processes, finished, steady_endpoint
 
 BLOCKS = [block for page in guide.pages() for block in guide.blocks(page)]
 CSHARP = [block for block in BLOCKS if block.language == "csharp" and block.kind != "excerpt"]
@@ -81,7 +81,8 @@ static class Program
             case "again": Hello(typeof(Again.HelloClient), args[1], "2", 1, "Received Again"); break;
             case "hands": Hands(args[1]); break;
             case "picture": Picture(args[1]); break;
-            case "started": Started(args[1], args[2], args[3]); break;
+            case "started": Started(args[1], args[2], args[3], false); break;
+            case "crashed": Started(args[1], args[2], args[3], true); break;
             default: Script(args[0], args[1]); break;
         }
     }
@@ -92,7 +93,7 @@ NAKED
     }
 
     // More replies than a pipe has room for their lines.
-    static void Started(string program, string words, string endpoint)
+    static void Started(string program, string words, string endpoint, bool crash)
     {
         var all = typeof(Program).Assembly.GetTypes().Select(type => type.GetMethod("StartServer"));
         var start = all.Single(found => found != null);
@@ -104,9 +105,10 @@ NAKED
         };
         using var server = (System.Diagnostics.Process)start.Invoke(null, new object[] { program, words, heard });
         ready.Wait();
+        if (crash) System.Diagnostics.Process.GetCurrentProcess().Kill();
         using (var requester = new HelloRequester(endpoint))
             for (var i = 0; i < 6000; i++) requester.Request("Hello", TimeSpan.FromSeconds(60));
-        server.Kill();
+        server.StandardInput.Close();
         server.WaitForExit();
         Console.WriteLine($"all heard: {lines >= 6000}");
     }
@@ -294,9 +296,14 @@ def test_the_naked_programs_meet_each_other_and_the_lessons_own(pages, naked_ser
         assert "1: sent Hi, received error: expected Hello" in wrong.lines
 
 
+@finds_processes
 def test_a_server_that_a_game_starts(pages):
     endpoint = steady_endpoint()
     words = f'"{ROOT / "python" / "01_request_reply" / "server.py"}" --endpoint {endpoint}'
+    mark = Mark()
+    assert finished([*pages, "crashed", PYTHON, words, endpoint], env={**os.environ, **mark.environment}).returncode
+    # And its server is gone, whose port the next start wants.
+    assert mark.gone()
     assert finished([*pages, "started", PYTHON, words, endpoint]).stdout == "all heard: True\n"
 
 

@@ -62,3 +62,6 @@ def test_a_notebook():
     done = finished([PYTHON, "-c", elsewhere(f"{again}\n{again}\n{cell}")])
     assert (done.returncode, done.stderr) == (0, ""), done
     assert "simulating CartPole" in done.stdout
+    # A kernel that is killed; its server has the pipe that is read here.
+    killed = f"{serving}\nimport os\nos.kill(os.getpid(), 9)"
+    assert finished([PYTHON, "-c", elsewhere(killed)]).returncode

@@ -6,14 +6,12 @@ import pytest
 
 from kitlib import commands, imports
 from kitlib.commands import copy
-from kitlib.lessons import WINDOWS, KitError, UsageError, lessons
+from kitlib.lessons import KIT, KitError, UsageError, lessons
 from kitlib.setup import python_setup
 from kitlib.terminal import command
 from tests.conftest import PYTHON
 from tests.kit.test_collisions import outcomes
 from tests.programs import ROOT, two_ports
-
-PY = "py" if WINDOWS else "python3"
 
 # Whoever opens a file of the kit's Python is ended, in the programs that they start as well.
 GUARD = f"""
@@ -126,7 +124,7 @@ def test_what_differs_stays_unless_it_is_forced(tmp_path, capsys):
     folder = tmp_path / "game"
     copied("1", folder)
     server, license = folder / "01_request_reply" / "server.py", folder / copy.LICENCE
-    run = command(python_setup.found() or PY, server)
+    run = command(python_setup.found("01_request_reply"), server)
     assert capsys.readouterr().out.endswith(f"kit    | next: {run}\n")
     server.write_text("mine", encoding="utf-8")
     # Git may have changed the ends of the lines, which is no change.
@@ -140,6 +138,14 @@ def test_what_differs_stays_unless_it_is_forced(tmp_path, capsys):
     copied("1", folder, "--force")
     assert server.read_bytes() == (ROOT / "python" / "01_request_reply" / "server.py").read_bytes()
     assert not list(folder.glob(".netmqexample*"))
+
+
+def test_the_last_line_starts_the_server_with_what_it_needs(tmp_path, monkeypatch, capsys):
+    """By the kit, which installs it, where no Python has it yet."""
+    monkeypatch.setattr(python_setup, "found", lambda *lessons: None if lessons else PYTHON)
+    copied("5", tmp_path / "my game")
+    server = command(tmp_path / "my game" / "05_messages" / "server.py")
+    assert capsys.readouterr().out.endswith(f"needs: pyzmq, numpy\nkit    | next: {KIT} server {server}\n")
 
 
 def test_what_is_in_the_way_is_named_and_nothing_is_written(tmp_path):

@@ -18,7 +18,7 @@ from tests.programs import LIMIT, ROOT, finished
 
 PACKAGE = ROOT / "python" / "netmq_example"
 # Extras that are too large for a cell of the workflow, and those for who changes the kit.
-UNRUN = ("body", "ray", "sb3", "tests_more", "unity_tests", "style", "bench")
+UNRUN = ("body", "ray", "sb3", "tests-more", "unity-tests", "style", "bench")
 
 
 @pytest.fixture(scope="module")

@@ -16,7 +16,7 @@ agents need pettingzoo. A type checker, which imports nothing, finds them as wel
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from netmq_example.errors import pip_install
+from netmq_example.extras import without
 
 if TYPE_CHECKING:
     from netmq_example.envs.gym_env import ZmqEnv
@@ -25,13 +25,6 @@ if TYPE_CHECKING:
     from netmq_example.envs.unity_parallel_env import UnityAECEnv, UnityParallelEnv
     from netmq_example.envs.unity_vector_env import UnityVectorEnv
     from netmq_example.envs.vector_env import ZmqVectorEnv
-
-
-def without(error: ImportError) -> ImportError:
-    """The same with its cure: the kernel of a notebook has packages of its own."""
-    package = str(error.name).partition(".")[0]
-    return ImportError(f"{error}: {pip_install(package)}", name=error.name)
-
 
 try:
     from gymnasium.envs import registration

@@ -1,0 +1,3 @@
+from netmq_example.extras import needed
+
+needed("numpy")

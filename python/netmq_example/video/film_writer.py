@@ -28,8 +28,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from PIL import Image
+from netmq_example.extras import without
+
+try:
+    import numpy as np
+    from PIL import Image
+except ImportError as error:
+    raise without(error) from None
 
 from netmq_example import check
 from netmq_example.video.film_formats import FORMATS, Format

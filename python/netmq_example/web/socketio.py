@@ -14,10 +14,15 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from typing import Any
 
-import socketio
-from aiohttp import web
-from engineio.payload import Payload
-from socketio.packet import Packet
+from netmq_example.extras import without
+
+try:
+    import socketio
+    from aiohttp import web
+    from engineio.payload import Payload
+    from socketio.packet import Packet
+except ImportError as error:
+    raise without(error) from None
 
 from netmq_example.web.browser_socket import LARGEST_BYTES, MOST_FRAMES, BrowserSocket
 from netmq_example.web.door import Door, close_strangers

@@ -9,7 +9,12 @@ It needs python-socketio.
 import asyncio
 from typing import Any
 
-import socketio
+from netmq_example.extras import without
+
+try:
+    import socketio
+except ImportError as error:
+    raise without(error) from None
 
 from netmq_example.errors import GaveUp, pip_install
 from netmq_example.web.requester import REFUSED, WebRequester
