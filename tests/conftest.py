@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import os
 import re
 import signal
 import sys
+import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -28,6 +30,11 @@ if sys.platform != "win32" and signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
 # By which kit.py passes Ctrl-C on to pytest on Windows.
 if sys.platform == "win32":
     signal.signal(signal.SIGBREAK, signal.default_int_handler)
+
+
+# What matplotlib and others keep would go into the home of who runs the tests.
+KEPT = tempfile.TemporaryDirectory()
+os.environ.update(MPLCONFIGDIR=KEPT.name, XDG_CACHE_HOME=KEPT.name)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -20,4 +20,4 @@ def needed(*modules: str) -> None:
 def without(error: ImportError) -> ImportError:
     """The same with its cure."""
     package = str(error.name).partition(".")[0]
-    return ImportError(f"{error}: {pip_install(ON_PYPI.get(package, package))}", name=error.name)
+    return type(error)(f"{error}: {pip_install(ON_PYPI.get(package, package))}", name=error.name)

@@ -8,6 +8,7 @@ import sys
 
 import pytest
 
+from kitlib.setup import dotnet
 from tests.programs import ROOT, elsewhere, finished
 
 PAGE = (ROOT / "docs" / "guide" / "reinforcement_learning.md").read_text(encoding="utf-8")
@@ -63,7 +64,7 @@ def folder(tmp_path):
 
 def needs(*modules):
     lacking = [name for name in modules if not importlib.util.find_spec(name)]
-    return pytest.mark.skipif(bool(lacking), reason=f"it needs {', '.join(lacking)}")
+    return pytest.mark.skipif(bool(lacking), reason=f"needs a package: pip install {' '.join(lacking)}")
 
 
 @needs("stable_baselines3")
@@ -75,7 +76,7 @@ def test_a_pole_is_learnt_and_filmed(folder):
 
 
 @needs("stable_baselines3")
-@pytest.mark.skipif(not shutil.which("dotnet"), reason="it needs .NET")
+@pytest.mark.skipif(not shutil.which("dotnet"), reason=f"needs the .NET SDK: {dotnet.INSTALLER}")
 def test_a_scene_of_ones_own_is_learnt(folder):
     assert re.search(r"^2048 steps: \d+ of 500$", run(2, folder), re.MULTILINE)
 

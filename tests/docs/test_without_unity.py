@@ -41,7 +41,7 @@ def test_the_dotnet_program_builds_and_runs(tmp_path, netmq, console, serve):
 
 
 def test_the_python_program_runs(tmp_path, serve):
-    pytest.importorskip("numpy")
+    pytest.importorskip("numpy", reason="lesson 05 needs numpy: kit.py run 5 installs it")
     # A busy machine may need longer for the first reply than the page's program waits.
     patient = program("python").replace("poll(2500)", "poll(60_000)")
     (tmp_path / "my_program.py").write_text(patient, encoding="utf-8")
@@ -56,7 +56,7 @@ def test_the_python_program_runs(tmp_path, serve):
 
 def test_a_notebook():
     """Beside a server of the kit; and no process is left, or the test would not end."""
-    pytest.importorskip("gymnasium")
+    pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
     _, serving, cell = (block.body for block in guide.blocks(PAGE) if block.language == "python")
     again = serving.replace('"--quiet"', f'"--quiet", "--endpoint", "{steady_endpoint()}"')
     done = finished([PYTHON, "-c", elsewhere(f"{again}\n{again}\n{cell}")])

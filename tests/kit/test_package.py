@@ -25,7 +25,7 @@ UNRUN = ("body", "ray", "sb3", "tests-more", "unity-tests", "style", "bench")
 def wheel(tmp_path_factory):
     """Built without an index, from a copy: the sources must not be where it is imported later."""
     if lacking := python_setup.not_found(PYTHON, ["pip", "hatchling"]):
-        pytest.skip(f"it needs {' and '.join(lacking)} to build the package")
+        pytest.skip(f"it builds the package: pip install {' '.join(lacking)}")
     sources, made = tmp_path_factory.mktemp("kit"), tmp_path_factory.mktemp("made")
     for name in ("pyproject.toml", "README.md", "LICENSE", ".gitignore"):
         shutil.copy(ROOT / name, sources)
@@ -60,13 +60,16 @@ def test_the_wheel_holds_the_package_alone(wheel):
         metadata = archive.read(about).decode()
     assert {name for name in found if ".dist-info/" not in name} == files
     assert f"\nVersion: {python_setup.project()['version']}\n" in metadata
+    assert "\nLicense-Expression: MIT\n" in metadata and "\nClassifier: Typing :: Typed\n" in metadata
+    # An older pip finds no extra whose name has an underscore.
+    assert "_" not in "".join(re.findall(r"^Provides-Extra: (.+)$", metadata, re.MULTILINE))
     assert re.findall(r"^Requires-Dist: ([^;\n]+)$", metadata, re.MULTILINE) == python_setup.needs()
 
 
 def test_a_gymnasium_environment_needs_no_import_of_the_package(elsewhere, tmp_path):
     """Gymnasium imports what stands before the colon; since its version 1.0 it goes by no entry point any more."""
     if lacking := python_setup.not_found(PYTHON, ["numpy", "gymnasium"]):
-        pytest.skip(f"it needs {' and '.join(lacking)}")
+        pytest.skip(f"it makes an environment: pip install {' '.join(lacking)}")
     program = tmp_path / "mine.py"
     program.write_text(
         "import sys, gymnasium\n"
@@ -90,6 +93,44 @@ def test_an_extra_is_what_the_modules_of_its_name_import():
     for extra in folders:
         found = python_setup.imported(sorted((PACKAGE / extra).glob("*.py")))
         assert python_setup.needs() + found == python_setup.needs(*([extra] if extra not in python_setup.LARGE else []))
+
+
+@pytest.mark.parametrize(
+    ("module", "absent", "cure"),
+    [
+        ("envs", "gymnasium", "gymnasium"),
+        ("environment", "gymnasium", "gymnasium"),
+        ("sb3", "stable_baselines3", "stable_baselines3"),
+        ("camera.recording", "numpy", "numpy"),
+        ("video.view_sender", "numpy", "numpy"),
+        ("video.film_writer", "PIL", "pillow"),
+        ("web.door", "aiohttp", "aiohttp"),
+        ("web.socketio_requester", "socketio", "python-socketio"),
+    ],
+)
+def test_what_an_extra_brings_is_named_where_it_is_missing(module, absent, cure):
+    needs = {"envs": ["numpy", "gymnasium"], "web": ["aiohttp"]}.get(module.split(".")[0], ["numpy", "gymnasium"])
+    if lacking := python_setup.not_found(PYTHON, [need for need in needs if need != absent]):
+        pytest.skip(f"without them it stops before: pip install {' '.join(lacking)}")
+    code = f"import sys; sys.modules[{absent!r}] = None; import netmq_example.{module}"
+    said = finished([PYTHON, "-c", code], cwd=ROOT / "python").stderr.splitlines()[-1]
+    assert said.startswith("ModuleNotFoundError: ") and said.endswith(f"-m pip install {cure}"), said
+
+
+def test_an_older_python_is_refused_by_every_program_in_the_same_words():
+    programs = [path for path in sorted((ROOT / "python").glob("[0-9]*/*.py")) if "__main__" in path.read_text("utf-8")]
+    code = """
+import runpy, sys
+sys.version_info = (3, 10, 13, "final", 0)
+for program in sys.argv[1:]:
+    try:
+        runpy.run_path(program, run_name="__main__")
+    except SystemExit as end:
+        print(end)
+"""
+    said = finished([PYTHON, "-c", code, ROOT / "kit.py", *programs]).stdout.splitlines()
+    why = "needs Python 3.11 or later, this is 3.10: get one from https://www.python.org, and then open a new terminal"
+    assert said == [f"kit.py {why}", *[f"netmq_example {why}"] * len(programs)]
 
 
 def test_every_package_that_is_imported_is_in_pyproject_toml():

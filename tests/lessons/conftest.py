@@ -42,7 +42,7 @@ def machines():
     machines = Machines()
     try:
         if why := machines.make():
-            pytest.skip(f"no network namespaces or virtual cables here: {why.strip()}")
+            pytest.skip(f"no network namespaces or virtual cables here, which root can make: {why.strip()}")
         yield machines
     finally:
         machines.remove()

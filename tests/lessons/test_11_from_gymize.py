@@ -175,7 +175,7 @@ def test_who_dies_keeps_its_last_reward_and_the_next_reset_brings_it_back(scene)
 @pytest.fixture
 def race(scene, make):
     """Such a scene, and its environment."""
-    pytest.importorskip("PIL", reason="the agent sees a PNG file")
+    pytest.importorskip("PIL", reason="the agent sees a PNG file: pip install pillow")
 
     def race(*how, **shown):
         endpoint = steady_endpoint()

@@ -92,7 +92,7 @@ def test_both_languages_write_the_golden_pairs(program):
 
 
 def test_a_picture_that_is_a_file_arrives_as_its_pixels():
-    image = pytest.importorskip("PIL.Image", reason="pictures need Pillow")
+    image = pytest.importorskip("PIL.Image", reason="pictures need Pillow: pip install pillow")
     colours = np.array([[[255, 0, 0], [0, 0, 255]]], np.uint8)
     for made, kind, expected in (
         (image.fromarray(colours), "PNG", colours),

@@ -132,7 +132,7 @@ def test_what_is_set_before_a_reset_is_there_in_it_and_what_a_step_records_comes
 
 
 def test_the_example_prints_what_the_page_says():
-    pytest.importorskip("gymnasium")
+    pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
     page = (ROOT / "docs" / "guide" / f"{KEY}.md").read_text(encoding="utf-8")
     said = re.findall(r"^gravity .* m/s$", page, re.MULTILINE)
     done = finished([PYTHON, ROOT / "python" / KEY / "falling_ball.py"])
@@ -171,7 +171,7 @@ def test_areas_of_lesson_10_carry_them_as_well(moon, tmp_path):
 
 @pytest.mark.parametrize("lesson", ["10", "11"])
 def test_agents_of_lessons_10_and_11_carry_them_as_well(lesson, moon, tmp_path):
-    pytest.importorskip("pettingzoo")
+    pytest.importorskip("pettingzoo", reason="lesson 10 needs pettingzoo: kit.py run 10 installs it")
     from gymnasium.spaces import Box, Dict, Discrete
 
     from netmq_example.envs.parallel_env import ZmqParallelEnv
@@ -191,7 +191,7 @@ def test_agents_of_lessons_10_and_11_carry_them_as_well(lesson, moon, tmp_path):
 
 
 def test_a_vector_that_gymnasium_makes_is_refused_with_the_cure():
-    gymnasium = pytest.importorskip("gymnasium")
+    gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
     from netmq_example.envs.side_channels import carry
 
     envs = gymnasium.vector.SyncVectorEnv([lambda: gymnasium.make("CartPole-v1")])

@@ -305,7 +305,7 @@ def test_a_disk_that_is_full_costs_no_pair_and_leaves_nothing_in_the_way(folder)
     assert [path.name for path in (folder / "allowed").iterdir()] == ["alice.key"]
 
 
-@pytest.mark.skipif(sys.platform != "linux" or os.getuid(), reason="only root can be another user")
+@pytest.mark.skipif(sys.platform != "linux" or os.getuid(), reason="only root can be another user: run it as root")
 def test_a_secret_key_of_another_user_is_no_missing_one():
     """As after a first start with sudo."""
     script = (

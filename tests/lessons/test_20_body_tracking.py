@@ -506,7 +506,7 @@ def test_without_a_webcam_or_a_model_it_says_what_is_wrong(webcam):
 def test_the_real_mediapipe_takes_what_camera_gives_it(tmp_path):
     """Nobody stands in the dark; and its own errors are lines."""
     mediapipe = pytest.importorskip("mediapipe", reason="the real MediaPipe is not here: pip install mediapipe")
-    np = pytest.importorskip("numpy")
+    np = pytest.importorskip("numpy", reason="needs numpy: pip install numpy")
     (tmp_path / "half.task").write_bytes(b"PK\3\4 half a download")
     with pytest.raises(people.SourceError, match=r"^MediaPipe does not take the model 'half.task': "):
         camera.landmarker(mediapipe, "Pose", tmp_path / "half.task", num_poses=1)

@@ -137,8 +137,8 @@ def test_what_is_subscribed_to():
 
 def test_a_state_that_is_no_state(peer):
     """As numbers of Python it would have taken a hundred times its bytes."""
-    np = pytest.importorskip("numpy")
-    pytest.importorskip("gymnasium")
+    np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: kit.py run 9 installs it")
+    pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
     from netmq_example import trees
 
     with zmq.Context() as context, context.socket(zmq.ROUTER) as trainer:

@@ -121,7 +121,7 @@ def test_what_is_written_beside_a_picture_belongs_to_it(drive: Drive) -> None:
 
 def test_two_cameras_see_as_two_eyes_and_jpeg_is_made_of_the_same_picture(drive: Drive) -> None:
     """In the left one's picture all stands further to the right, and the more so the nearer it is."""
-    images = pytest.importorskip("PIL.Image", reason="reads a JPEG file")
+    images = pytest.importorskip("PIL.Image", reason="reads a JPEG file: pip install pillow")
     driver, client = drive(lambda frame: {}, "count=1 cameras=left,right lockstep=true", "count=1 jpeg=true")
     assert client.wait() == 0, client.output
     frame, jpeg = driver.frames

@@ -58,7 +58,7 @@ def test_what_netmq_names_is_there_and_no_more(harness):
     nuget = dotnet.nuget_folder()
     dlls = [nuget / name.lower() / number / inside for name, number, inside in unity_install.LIBRARIES]
     if not all(dll.exists() for dll in dlls):
-        pytest.skip("it needs NetMQ from NuGet")
+        pytest.skip("it needs NetMQ from NuGet: kit.py run 1 fetches it")
     editor = Editor(["dotnet", str(harness), "editor"], ROOT)
     needed = {name for dll in dlls for name in editor.do(f"references {dll}")}
     editor.do("quit")

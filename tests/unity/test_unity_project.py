@@ -234,7 +234,7 @@ def test_a_scene_is_one_tree_of_objects_that_exist():
 
 
 def test_yaml_parses_with_unitys_tags():
-    yaml = pytest.importorskip("yaml", reason="PyYAML is not installed")
+    yaml = pytest.importorskip("yaml", reason="reads a scene: pip install pyyaml")
 
     class Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[name-defined,misc]
         pass

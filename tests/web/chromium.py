@@ -52,8 +52,10 @@ class Chromium:
         words += ["--disable-dev-shm-usage", "--disable-gpu", *(["--no-sandbox"] if os.geteuid() == 0 else [])]
         renumber = [sys.executable, "-c", RENUMBER, str(from_us), str(to_us)]
         command, nothing = [*renumber, find(), *words, "about:blank"], subprocess.DEVNULL
+        # What it keeps beside its profile, it keeps there as well.
+        own = {**os.environ, "XDG_CONFIG_HOME": self.profile.name, "XDG_CACHE_HOME": self.profile.name}
         self.process = subprocess.Popen(
-            command, pass_fds=(from_us, to_us), stdin=nothing, stdout=nothing, stderr=nothing
+            command, pass_fds=(from_us, to_us), stdin=nothing, stdout=nothing, stderr=nothing, env=own
         )
         os.close(from_us)
         os.close(to_us)
