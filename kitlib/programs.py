@@ -38,7 +38,7 @@ class Program:
         command: Sequence[str | Path],
         *,
         folder: Path = ROOT,
-        stdin: int = subprocess.DEVNULL,
+        stdin: int | None = subprocess.DEVNULL,
         heard: Callable[[str], None] | None = None,
         **environment: str,
     ) -> None:

@@ -150,7 +150,8 @@ def run(
             heard = functools.partial(show, f"{name} {number}" if name == "client" else name)
             words = [*other, "--endpoint", addresses["endpoint"]]
             started.append(Program(words, folder=folder, heard=heard))
-        started.append(Program(client, folder=folder, heard=hear_client))
+        # Its keyboard is the terminal's: lesson 08 is driven by it.
+        started.append(Program(client, folder=folder, stdin=None, heard=hear_client))
         code = wait(started[-1].process, "client")
         if tap:
             show_last()

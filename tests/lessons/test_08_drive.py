@@ -8,6 +8,7 @@ import hashlib
 import itertools
 import os
 import re
+import signal
 import statistics
 import sys
 import threading
@@ -18,7 +19,7 @@ import zmq
 
 from netmq_example.messages import Message, read
 from tests.conftest import CLIENTS
-from tests.programs import LIMIT, PATIENT, Program
+from tests.programs import LIMIT, PATIENT, ROOT, Program
 
 KEY = "08_see_and_steer"
 world = pytest.importorskip("netmq_example.worlds.road", reason="lesson 08 needs numpy: kit.py run 8 installs it")
@@ -288,5 +289,26 @@ def test_a_person_takes_over_and_gives_back(kind, driver, start, client_command)
         assert termios.tcgetattr(slave)[3] & termios.ECHO, "the terminal shows again what is typed"
     finally:
         client.kill()
+        os.close(master)
+        os.close(slave)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a terminal of the test's own: pty")
+@pytest.mark.parametrize("kind", TERMINAL)
+def test_keys_reach_the_client_that_kit_py_runs(kind, client_command):
+    import pty
+
+    client_command(kind, KEY, "")
+    which = ["--client", "python"] if kind == "python" else []
+    master, slave = pty.openpty()
+    words = ["run", "8", *which, "--endpoint", "tcp://127.0.0.1:0", "--options", "--drive --count 100000"]
+    run = Program([sys.executable, ROOT / "kit.py", *words], stdin=slave, TERM="xterm")
+    try:
+        run.wait_for("^client . frame")
+        os.write(master, b"w")
+        run.wait_for("^client . a person drives$")
+        assert run.stop(signal.SIGINT) in (0, 130)
+    finally:
+        run.kill()
         os.close(master)
         os.close(slave)

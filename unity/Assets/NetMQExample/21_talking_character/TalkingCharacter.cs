@@ -30,6 +30,9 @@ namespace NetMQExample
         /// <summary>All that was said so far, for a bubble of your own.</summary>
         public string Text => text;
 
+        /// <summary>Who listens; the main camera until it is set.</summary>
+        public Transform Player { get => player; set => player = value; }
+
         /// <summary>With each sentence, for scripts.</summary>
         public event Action<string> Said { add => said.Raised += value; remove => said.Raised -= value; }
 
