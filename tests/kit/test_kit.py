@@ -28,7 +28,7 @@ from kitlib.docs import guide
 from kitlib.lessons import KitError, UsageError
 from kitlib.programs import Result
 from kitlib.setup import dotnet, python_setup
-from kitlib.unity import install as unity_install
+from kitlib.unity.inventory import LIBRARIES
 from tests.conftest import PYTHON
 from tests.programs import LIMIT, PATIENT, ROOT, Mark, Program, finds_processes, finished, python_runs, steady_endpoint
 
@@ -1033,7 +1033,7 @@ def test_the_scripts_alone_need_no_nuget(project, start):
 def test_the_dlls_can_come_from_a_folder(project, tmp_path, start):
     dlls = tmp_path / "dlls"
     dlls.mkdir()
-    for _, _, inside in unity_install.LIBRARIES:
+    for _, _, inside in LIBRARIES:
         (dlls / Path(inside).name).write_bytes(inside.encode())
     (dlls / "AsyncIO.dll").unlink()
     lacking = start(PYTHON, KIT, "unity", project, "--dlls", dlls)

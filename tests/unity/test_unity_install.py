@@ -16,6 +16,7 @@ from kitlib.lessons import PACKAGE, ROOT, KitError, lessons
 from kitlib.programs import Result
 from kitlib.setup import dotnet, python_setup
 from kitlib.unity import install as unity_install
+from kitlib.unity.inventory import LIBRARIES
 from kitlib.unity.player import why
 
 TARGET = "Assets/NetMQExample"
@@ -63,7 +64,7 @@ def python(monkeypatch):
 
 def fill(folder, begins="MZ"):
     """A NuGet folder with stand-ins of the DLLs: what is copied does not depend on what is in them."""
-    for package, version, inside in unity_install.LIBRARIES:
+    for package, version, inside in LIBRARIES:
         name = package.lower()
         path = folder / name / version / f"{name}.{version}.nupkg"
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -324,8 +325,8 @@ def test_a_damaged_lock_or_record_is_none(text, project, nuget):
     assert (project / TARGET / "Plugins" / "NetMQ.dll").exists()
 
 
-ALL_DLLS = {Path(inside).name for _, _, inside in unity_install.LIBRARIES}
-SHARED_DLLS = [Path(inside).name for _, _, inside in unity_install.LIBRARIES if "/System." in inside]
+ALL_DLLS = {Path(inside).name for _, _, inside in LIBRARIES}
+SHARED_DLLS = [Path(inside).name for _, _, inside in LIBRARIES if "/System." in inside]
 # A .meta as Unity wrote it before Unity 6, and since. The first of each is what a DLL has that somebody dropped in.
 ENTRY = "  - first:\n      {}\n    second:\n      enabled: {}\n      settings:\n        {}\n"
 DEFAULT = ENTRY.format("Any: ", 1, "{}") + ENTRY.format("Editor: Editor", 0, "DefaultValueInitialized: true")
@@ -761,5 +762,5 @@ def test_downloads_without_an_sdk(project, nuget, tmp_path, monkeypatch):
 
 def test_the_real_dlls(project, netmq):
     unity_install.install(project, "1", False)
-    for _, _, inside in unity_install.LIBRARIES:
+    for _, _, inside in LIBRARIES:
         assert (project / TARGET / "Plugins" / Path(inside).name).read_bytes()[:2] == b"MZ"

@@ -10,8 +10,8 @@ import pytest
 from kitlib.lessons import KitError
 from kitlib.programs import Result
 from kitlib.setup import dotnet
-from kitlib.unity import install as unity_install
 from kitlib.unity import package
+from kitlib.unity.inventory import LIBRARIES
 from tests.conftest import PYTHON
 from tests.programs import ROOT, finished
 
@@ -25,7 +25,7 @@ pytestmark = pytest.mark.xdist_group("package")
 def dlls(tmp_path_factory):
     """Stand-ins: what is packed does not depend on what is in them."""
     folder = tmp_path_factory.mktemp("dlls")
-    for _, _, inside in unity_install.LIBRARIES:
+    for _, _, inside in LIBRARIES:
         (folder / Path(inside).name).write_bytes(b"MZ " + inside.encode())
     return folder
 

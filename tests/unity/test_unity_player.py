@@ -10,7 +10,7 @@ import sys
 import pytest
 
 from kitlib.setup import dotnet
-from kitlib.unity import install as unity_install
+from kitlib.unity.inventory import LIBRARIES
 from kitlib.unity.player import stand_ins
 from tests.programs import ROOT, finished
 from tests.unity.conftest import Editor
@@ -56,7 +56,7 @@ def test_what_the_player_lacks_is_told_by_what_it_has():
 def test_what_netmq_names_is_there_and_no_more(harness):
     """IL2CPP's linker wants every name in NetMQ.dll, and in what that names, to be found."""
     nuget = dotnet.nuget_folder()
-    dlls = [nuget / name.lower() / number / inside for name, number, inside in unity_install.LIBRARIES]
+    dlls = [nuget / name.lower() / number / inside for name, number, inside in LIBRARIES]
     if not all(dll.exists() for dll in dlls):
         pytest.skip("it needs NetMQ from NuGet: kit.py run 1 fetches it")
     editor = Editor(["dotnet", str(harness), "editor"], ROOT)

@@ -17,7 +17,8 @@ import pytest
 from kitlib.docs import guide
 from kitlib.lessons import PACKAGE
 from kitlib.unity import install as unity_install
-from kitlib.unity import inventory, modules
+from kitlib.unity import modules
+from kitlib.unity.inventory import LIBRARIES, NETMQ
 from kitlib.unity.meta import assets, behaviours, guid, meta_of, own_guid, scene
 from tests.programs import ROOT, finished
 from tests.unity.conftest import PREFAB
@@ -416,7 +417,7 @@ def test_unity_compiles_the_assemblies_that_are_copied():
         assert [f"{lesson}: {fault}" for fault in assembly_faults(copied(lesson))] == []
     found = [json.loads(text) for name, text in copied().items() if name.endswith(".asmdef")]
     names = {definition["name"] for definition in found} | UNITYS_OWN
-    dlls = {inside.rsplit("/", 1)[1] for _, _, inside in unity_install.LIBRARIES}
+    dlls = {inside.rsplit("/", 1)[1] for _, _, inside in LIBRARIES}
     dlls |= {"nunit.framework.dll", "Newtonsoft.Json.dll"}
     for definition in found:
         assert {*definition["references"]} <= names and {*definition["precompiledReferences"]} <= dlls, definition[
@@ -497,7 +498,7 @@ def test_the_manifest_gets_netmq_from_a_scoped_registry():
     assert 'Include="Newtonsoft.Json" Version="13.' in lessons
     assert manifest["dependencies"][unity_install.JSON[0]] == unity_install.JSON[1]
     # UnityNuGet writes the fourth number of a version behind a hyphen.
-    assert manifest["dependencies"]["org.nuget.netmq"].replace("-", ".") == inventory.NETMQ
+    assert manifest["dependencies"]["org.nuget.netmq"].replace("-", ".") == NETMQ
 
 
 def test_unity_is_a_version_that_can_have_netmq():
