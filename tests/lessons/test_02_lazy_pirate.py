@@ -427,7 +427,7 @@ def test_a_journal_refuses_what_it_could_not_keep(journal, capsys, monkeypatch):
     assert book.do(b"1", "", lambda db, text: str(db.execute("SELEKT 1"))).startswith("error: OperationalError(")
     # One for each place, and none for what is too long to be sent.
     assert book.do(b"1", "x" * 66_000, lambda db, text: text).startswith("error: answer returned what cannot be sent: ")
-    assert len(book.do(b"1", "x" * 66_000, lambda db, text: [][text])) < 1100
+    assert len(book.do(b"1", "x" * 66_000, lambda db, text: dict[str, str]()[text])) < 1100
     assert capsys.readouterr().err.count("Traceback") == 4
     assert book.db.execute("SELECT balance FROM account").fetchone() == (0,), "what it changed is taken back"
 

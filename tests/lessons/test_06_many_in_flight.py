@@ -315,7 +315,7 @@ def test_two_iterations_of_one_requester_take_nothing_from_each_other(context):
         assert next(left)[0] == 1
         with pytest.raises(RuntimeError, match=r"^this ManyRequester has not ended what it does: wait "):
             next(requester.request_many(["echo two"]))
-        left.close()
+        del left
         assert [number for number, _, _ in requester.request_many(["ü" * 32_769])] == [1]
 
 
