@@ -16,7 +16,7 @@ import zmq
 
 from tests.bad_peers import SlowLine
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import LIMIT, PATIENT, ROOT, Mark, finds_processes, free_port
+from tests.programs import LIMIT, PATIENT, ROOT, Mark, finds_processes, free_port, steady_endpoint
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
 np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: kit.py run 9 installs it")
@@ -170,6 +170,25 @@ def test_a_simulator_does_each_request_once_and_says_hello_on_each_connection(ki
     for action in (1, 1, 0):
         world.apply(action)
     assert world.observe() == pytest.approx(seen, abs=1e-6)
+
+
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+def test_a_server_that_is_back_before_a_step_is_over_hears_hello_first(kind, start, client_command):
+    """A library that connects again by itself would send it the step's answer, and both would wait for each other."""
+    endpoint = steady_endpoint()
+    for requests in [Message("welcome", 0), reset(1, 7), step(2, number(1))], []:
+        # The end of its context is the end of its port.
+        with zmq.Context() as context, context.socket(zmq.ROUTER) as router:
+            router.linger, router.rcvtimeo = 0, int(1000 * LIMIT)
+            router.bind(endpoint)
+            if requests:
+                start(*client_command(kind, "17_many_machines", endpoint, "--delay", "4", *PATIENT))
+            peer, *hello = router.recv_multipart()
+            assert read(hello).kind == "hello"
+            for request in requests:
+                router.send_multipart([peer, *request.frames()])
+            if requests:
+                answered(router.recv_multipart()[1:])
 
 
 def test_what_a_simulator_has_done_already_it_does_not_do_again():
