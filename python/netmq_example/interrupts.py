@@ -8,6 +8,7 @@ there the signal comes again a moment later.
 
 import _thread
 import contextlib
+import os
 import signal
 import sys
 import threading
@@ -50,6 +51,17 @@ def again(number: int) -> None:
         _thread.interrupt_main(number)
     else:
         signal.pthread_kill(threading.main_thread().ident or 0, number)
+
+
+def at_eof() -> None:
+    """Ctrl-C, as soon as nobody can write to standard input: who started this program closed it, or is gone."""
+    try:
+        while os.read(0, 4096):
+            pass
+    except OSError:
+        # There is none.
+        pass
+    again(signal.SIGINT)
 
 
 def is_dropped(frame: FrameType) -> bool:

@@ -65,19 +65,8 @@ class Options(argparse.ArgumentParser):
         )
         found = super().parse_args([] if words is None and foreign else words, namespace)
         if getattr(found, "until_eof", False):
-            threading.Thread(target=end_at_eof, daemon=True).start()
+            threading.Thread(target=interrupts.at_eof, daemon=True).start()
         return found
-
-
-def end_at_eof() -> None:
-    """Ctrl-C, as soon as nobody can write to standard input: who started this program closed it, or is gone."""
-    try:
-        while os.read(0, 4096):
-            pass
-    except OSError:
-        # There is none.
-        pass
-    interrupts.again(signal.SIGINT)
 
 
 def server_options(about: str | None, endpoint: str) -> argparse.ArgumentParser:
