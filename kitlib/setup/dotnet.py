@@ -170,8 +170,9 @@ def refusal(result: Result) -> str:
         return "NuGet does not hold NetMQ"
     if result.code == 124 or any(code in result.output for code in UNREACHABLE):
         return "NuGet cannot be reached"
-    why = denied(result.output) or f"{result.first(*ERRORS)}; is the SDK whole? dotnet --info"
-    raise KitError(f"dotnet restore failed: {why}")
+    if why := denied(result.output):
+        raise KitError(why)
+    raise KitError(f"dotnet restore failed: {result.first(*ERRORS)}; is the SDK whole? dotnet --info")
 
 
 def fingerprint(netmq: NetMQ, sources: list[Path]) -> str:
