@@ -28,7 +28,7 @@ from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 from netmq_example import check
-from netmq_example.program import at_least_one, client_endpoint, importing, more_files, option, run, show
+from netmq_example.program import at_least_one, client_endpoint, importing, option, run, show
 from netmq_example.tap.arrows import Arrows, recording
 from netmq_example.tap.passing import FATES, Link, Trouble
 from netmq_example.trouble import Trouble as Lines
@@ -115,7 +115,6 @@ def main() -> None:
     if [name for name, _ in options.servers].count("endpoint") != 1:
         parser.error("one server has no name, as in: tap.py tcp://127.0.0.1:5557 snapshots=tcp://127.0.0.1:5657")
     planned = {getattr(options, fate): fate for fate in FATES if getattr(options, fate)}
-    more_files()
     arrows = Arrows()
     trouble = Trouble(planned, slow=options.slow)
     title = options.title or " ".join(f"{host}:{port}" for _, (host, port) in options.servers)

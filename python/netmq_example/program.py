@@ -106,8 +106,8 @@ def listening(
     """
     endpoint = endpoint or options.endpoint
     if not (LOOPBACK.match(endpoint) or options.open_to_anyone or getattr(options, "keys", None)):
-        risk = "would let anyone in, who could end this server at will"
-        print(f"refused: '{endpoint}' {risk}; use lesson 15's keys, or add --open-to-anyone", file=sys.stderr)
+        cure = "who could end it; use lesson 15's keys, or add --open-to-anyone"
+        print(f"refused: '{endpoint}' would let anyone in, {cure}", file=sys.stderr)
         sys.exit(2)
     with zmq.Context() as context, context.socket(kind) as socket:
         limit(socket, largest)
@@ -184,13 +184,6 @@ def more_files() -> int:
             # Where it cannot be raised, it stays as it is.
             return now
     return wanted
-
-
-def enough_files() -> None:
-    """OSError says that this program may open too few."""
-    few = sys.platform != "win32" and 0 <= resource.getrlimit(resource.RLIMIT_NOFILE)[0] < LEAST_FILES
-    if few and (count := more_files()) < LEAST_FILES:
-        raise OSError(f"it may open {count} files, and needs {LEAST_FILES}: allow more, as by ulimit -n 1024")
 
 
 def receive(socket: Socket, timeout: float = math.inf) -> list[bytes]:
@@ -336,7 +329,8 @@ def run(main: Callable[[], None], stopped: str | None = None) -> None:
     # SIGTERM, which kill and process managers send, ends a program as Ctrl-C does; on Windows that is SIGBREAK.
     interrupts.listen(signal.SIGINT, getattr(signal, "SIGBREAK", signal.SIGTERM))
     try:
-        enough_files()
+        if (files := more_files()) < LEAST_FILES:
+            raise OSError(f"it may open {files} files, and needs {LEAST_FILES}: allow more, as by ulimit -n 1024")
         main()
     except (TimeoutError, GaveUp) as error:
         raise SystemExit(f"gave up: {printable(str(error), most=1000)}") from None
