@@ -269,7 +269,10 @@ def files(folder: Path, cells: dict[str, str]) -> dict[str, bytes]:
     for column, name in cells.items():
         if column.endswith("file_name"):
             path = folder / name
-            file = check.regular_file(path, LIMIT).read_bytes()
+            try:
+                file = check.regular_file(path, LIMIT).read_bytes()
+            except FileNotFoundError:
+                raise FileNotFoundError(f"there is no picture {name}") from None
             found[column.removesuffix("file_name").rstrip("_") or "center"] = file
     return found
 
