@@ -37,9 +37,7 @@ def follow(client: JobClient, request: Message, leave_at: int = 0, cancel_at: in
 
 
 def main() -> None:
-    parser = client_options(
-        "Has a long job done, watches it, and comes back to it.", "tcp://127.0.0.1:5564", timeout=1, beacon=True
-    )
+    parser = client_options("Has a long job done, and watches it.", "tcp://127.0.0.1:5564", timeout=1, beacon=True)
     parser.add_argument("--kind", default="count", help="what to do: count, picture, path, deaf, or one of your own")
     parser.add_argument("--text", default="", help="what else your own kind has to know")
     parser.add_argument("--count", type=at_least_one, default=100, help="how far; or the side of the picture, the path")

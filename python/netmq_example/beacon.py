@@ -51,8 +51,13 @@ def datagram(name: str, mark: str) -> bytes:
 
 
 @contextlib.contextmanager
-def answering(name: str, endpoint: str) -> Iterator[None]:
-    """Answers for a server that is bound to tcp://ADDRESS:PORT, on a thread. GaveUp if nobody could hear it."""
+def answering(name: str | None, endpoint: str) -> Iterator[None]:
+    """Answers for a server that is bound to tcp://ADDRESS:PORT, on a thread, and prints its beacon. GaveUp if
+    nobody could hear it. Without a name nothing is done.
+    """
+    if not name:
+        yield
+        return
     host, _, port = endpoint.partition("://")[2].rpartition(":")
     if host.startswith("127."):
         cure = f"give --endpoint tcp://0.0.0.0:{port}, with --open-to-anyone or keys"
@@ -66,6 +71,7 @@ def answering(name: str, endpoint: str) -> Iterator[None]:
         ear.settimeout(0.2)
         thread = threading.Thread(target=answer, args=(ear, name, over), daemon=True)
         thread.start()
+        print(f"found as beacon://{name}:{port}", flush=True)
         try:
             yield
         finally:

@@ -14,6 +14,14 @@ def tried(count: int) -> str:
     return "1 try" if count == 1 else f"{count} tries"
 
 
+def longer(first: float, tries: int) -> float:
+    """How long to wait after so many tries in vain: each time twice as long, up to 8 times the first.
+
+    A new connection takes several round trips. On a slow line only a longer wait ever succeeds.
+    """
+    return first * 2.0 ** min(tries, 3)
+
+
 def pip_install(*words: str) -> str:
     """The command that installs these for the Python that runs this."""
     return shell(sys.executable, "-m", "pip", "install", *words)

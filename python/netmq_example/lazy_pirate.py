@@ -16,9 +16,9 @@ import zmq
 
 from netmq_example import check
 from netmq_example.beacon import BeaconSearch
-from netmq_example.errors import GaveUp, tried
+from netmq_example.errors import GaveUp, longer, tried
 from netmq_example.one_process import OneProcess, one_at_a_time
-from netmq_example.program import Context, Socket, encoded, limit, longer, printable, text_of
+from netmq_example.program import Context, Socket, encoded, limit, printable, text_of
 
 # The longest wait in one piece, in milliseconds: between two of them stop() is noticed and, on Windows, Ctrl-C.
 SLICE_MS = 50

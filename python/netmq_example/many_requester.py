@@ -18,9 +18,9 @@ import zmq
 
 from netmq_example import check
 from netmq_example.beacon import cure
-from netmq_example.errors import tried
+from netmq_example.errors import longer, tried
 from netmq_example.one_process import OneProcess, one_at_a_time
-from netmq_example.program import LARGEST_BYTES, Context, limit, longer, text_of
+from netmq_example.program import LARGEST_BYTES, Context, limit, text_of
 
 # The deadlines are checked this often. Shorter would cost more. Longer, and Ctrl-C would have to wait on Windows.
 SLICE_SECONDS = 0.05

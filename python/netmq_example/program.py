@@ -124,9 +124,7 @@ def listening(
             print(f"cannot listen on {endpoint}: {zmq.strerror(error.errno or 0)}; {cure}", file=sys.stderr)
             sys.exit(1)
         bound = socket.getsockopt_string(zmq.LAST_ENDPOINT)
-        with answering(options.beacon, bound) if getattr(options, "beacon", None) else contextlib.nullcontext():
-            if getattr(options, "beacon", None):
-                print(f"found as beacon://{options.beacon}:{bound.rpartition(':')[2]}", flush=True)
+        with answering(getattr(options, "beacon", None), bound):
             if word:
                 print(f"{word} on {bound}", flush=True)
             yield socket
@@ -154,14 +152,6 @@ def limit(socket: Socket, largest: int = LARGEST_BYTES) -> None:
     socket.maxmsgsize = largest
     if largest > LARGEST_BYTES:
         socket.rcvhwm = max(2, WAITING_BYTES // largest)
-
-
-def longer(first: float, tries: int) -> float:
-    """How long to wait after so many tries in vain: each time twice as long, up to 8 times the first.
-
-    A new connection takes several round trips. On a slow line only a longer wait ever succeeds.
-    """
-    return first * 2.0 ** min(tries, 3)
 
 
 def few_answers_wait(context: Context, socket: Socket) -> None:

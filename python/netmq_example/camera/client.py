@@ -22,10 +22,10 @@ import zmq
 
 from netmq_example import check
 from netmq_example.beacon import BeaconSearch
-from netmq_example.errors import GaveUp
+from netmq_example.errors import GaveUp, longer
 from netmq_example.messages import EXACT, LIMIT, Message, MessageError, read_reply
 from netmq_example.one_process import OneProcess
-from netmq_example.program import SLICE_MS, limit, longer, printable
+from netmq_example.program import SLICE_MS, limit, printable
 
 
 @dataclass

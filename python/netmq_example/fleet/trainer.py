@@ -16,10 +16,11 @@ from typing import Any
 import zmq
 
 from netmq_example import check
+from netmq_example.errors import longer
 from netmq_example.finalizers import finalizer
 from netmq_example.messages import LIMIT, Message, read, take
 from netmq_example.one_process import OneProcess
-from netmq_example.program import limit, longer
+from netmq_example.program import limit
 from netmq_example.records import is_record
 
 PEER = b"hub"

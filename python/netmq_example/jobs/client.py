@@ -22,10 +22,10 @@ import zmq
 
 from netmq_example import check
 from netmq_example.beacon import BeaconSearch
-from netmq_example.errors import GaveUp, tried
+from netmq_example.errors import GaveUp, longer, tried
 from netmq_example.messages import LIMIT, Message, MessageError, read, take
 from netmq_example.one_process import OneProcess, one_at_a_time
-from netmq_example.program import limit, longer
+from netmq_example.program import limit
 
 STATUSES = ("succeeded", "canceled", "aborted")
 # The values of a message about a job, besides the job.

@@ -19,9 +19,9 @@ import zmq
 
 from netmq_example import check
 from netmq_example.beacon import BeaconSearch
-from netmq_example.errors import tried
+from netmq_example.errors import longer, tried
 from netmq_example.one_process import OneProcess, one_at_a_time
-from netmq_example.program import Context, Socket, encoded, limit, longer, option, text_of
+from netmq_example.program import Context, Socket, encoded, limit, option, text_of
 from netmq_example.security.keys import checked, checked_path, load, make
 
 # Seconds between two tries, where the first was over at once.

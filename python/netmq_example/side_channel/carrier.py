@@ -22,9 +22,10 @@ import zmq
 
 from netmq_example import check
 from netmq_example.beacon import cure
+from netmq_example.errors import longer
 from netmq_example.exception import UnitySideChannelException
 from netmq_example.one_process import OneProcess
-from netmq_example.program import limit, longer
+from netmq_example.program import limit
 from netmq_example.side_channel.side_channel import LARGEST_EXCHANGE_BYTES
 from netmq_example.side_channel.side_channel_manager import SideChannelManager
 

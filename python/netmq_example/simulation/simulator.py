@@ -20,9 +20,10 @@ import zmq
 
 from netmq_example import check, records
 from netmq_example.beacon import BeaconSearch
+from netmq_example.errors import longer
 from netmq_example.messages import LIMIT, Message, MessageError
 from netmq_example.one_connection import NO_CONNECTION, TRY_SECONDS, connect_once
-from netmq_example.program import SLICE_MS, longer
+from netmq_example.program import SLICE_MS
 from netmq_example.records import RESET, STEP, Record
 from netmq_example.simulation.answers import answer_to, hello_of, options_in, picture_of, unknown
 from netmq_example.simulation.launched import watch_launcher

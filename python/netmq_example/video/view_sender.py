@@ -27,9 +27,10 @@ import zmq
 
 from netmq_example import check
 from netmq_example.beacon import cure
+from netmq_example.errors import longer
 from netmq_example.messages import LIMIT, Array, Message, MessageError, read, take
 from netmq_example.one_connection import NO_CONNECTION, TRY_SECONDS, connect_once
-from netmq_example.program import SLICE_MS, limit, longer
+from netmq_example.program import SLICE_MS, limit
 
 # Pictures that were sent and are not acknowledged by Python yet, and pictures at all.
 MOST_SENT = 2
@@ -128,7 +129,7 @@ class FilmView:
         self.film = Film(request.id, width, height, 1 / fps if fps else math.inf, next=0 if fps else math.inf)
         return Message("begun", request.id, {"view": self.name, "width": width, "height": height})
 
-    def look(self) -> None:
+    def look(self, request: Message) -> None:
         self.running().wanted = True
 
     def end(self, request: Message) -> None:
@@ -255,17 +256,11 @@ class ViewSender:
             there = {view.name: view for view in views}
             if name not in there:
                 raise MessageError("unknown-view", f"there is no view {name!a:.40}; there are: {', '.join(there)}")
-            if request.kind == "begin":
-                return there[name].begin(request)
-            if request.kind == "look":
-                there[name].look()
-            elif request.kind == "end":
-                there[name].end(request)
-            else:
-                there[name].took(request)
+            # The method has the name of what is asked for.
+            answer: Message | None = getattr(there[name], request.kind)(request)
         except MessageError as error:
             return Message("error", request.id, {"code": error.code, "text": error.text})
-        return None
+        return answer
 
     def receive(self, socket: zmq.Socket[bytes], seconds: float = 0.01) -> Message | None:
         if not socket.poll(int(1000 * seconds)):

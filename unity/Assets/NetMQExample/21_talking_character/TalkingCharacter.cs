@@ -16,7 +16,8 @@ namespace NetMQExample
         [SerializeField, Tooltip("The server")] private string endpoint = "tcp://127.0.0.1:5571";
         [SerializeField, Tooltip("What the player says")] private string prompt = "Who built this bridge?";
         [SerializeField, Min(1), Tooltip("How many words to listen to at most")] private int count = 200;
-        [SerializeField, Tooltip("Who listens; none: the main camera")] private Transform player;
+        /// <summary>Who listens; the main camera until it is set.</summary>
+        [Tooltip("Who listens; none: the main camera")] public Transform player;
         [SerializeField, Min(0), Tooltip("How near one must be to listen")] private float earshot = 15;
         [SerializeField, Min(0), Tooltip("Walk away when so many words were said; 0: never")] private int leaveAfter;
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait for a word of the job")] private float timeout = 1;
@@ -29,9 +30,6 @@ namespace NetMQExample
 
         /// <summary>All that was said so far, for a bubble of your own.</summary>
         public string Text => text;
-
-        /// <summary>Who listens; the main camera until it is set.</summary>
-        public Transform Player { get => player; set => player = value; }
 
         /// <summary>With each sentence, for scripts.</summary>
         public event Action<string> Said { add => said.Raised += value; remove => said.Raised -= value; }

@@ -188,8 +188,7 @@ namespace NetMQExample
         /// <param name="sent">Or received.</param>
         /// <param name="frames">Texts, bytes, or what NetMQ has them in.</param>
         [Conditional("UNITY_EDITOR")]
-        public static void Show(string endpoint, bool sent, IEnumerable frames) =>
-            Seen?.Invoke(endpoint, sent, frames);
+        public static void Show(string endpoint, bool sent, IEnumerable frames) => Seen?.Invoke(endpoint, sent, frames);
 
         /// <summary>The same for a message of this connection.</summary>
         [Conditional("UNITY_EDITOR")]
