@@ -17,9 +17,11 @@ from tests.programs import finished
 np = pytest.importorskip("numpy", reason="lesson 08 needs numpy: kit.py run 8 installs it")
 from netmq_example.camera import pictures  # noqa: E402
 
+PILLOW = {"reason": "JPEG needs Pillow: pip install pillow"}
+
 
 def jpeg(width, height, name="JPEG", mode="RGB"):
-    image = pytest.importorskip("PIL.Image", reason="JPEG needs Pillow: pip install pillow")
+    image = pytest.importorskip("PIL.Image", **PILLOW)
     file = io.BytesIO()
     image.new(mode, (width, height)).save(file, name)
     return file.getvalue()
@@ -35,7 +37,7 @@ def claiming(width, height):
 
 def slow(scans, size=4096):
     """A progressive JPEG with so many scans that say nothing, each of which costs a pass over the whole picture."""
-    image = pytest.importorskip("PIL.Image", reason="JPEG needs Pillow: pip install pillow")
+    image = pytest.importorskip("PIL.Image", **PILLOW)
     file = io.BytesIO()
     image.new("RGB", (8, 8)).save(file, "JPEG", progressive=True)
     data = bytearray(file.getvalue())
@@ -79,6 +81,7 @@ JPEGS = {
 @pytest.mark.timeout(60)
 def test_a_jpeg_of_every_sort(make, code):
     """What would take a minute or more ends at the test's limit."""
+    pytest.importorskip("PIL.Image", **PILLOW)
     values = {"frame": 5, "run": "", "manual": False, "cameras": "center", "encoding": "jpeg"}
     numbers = dict.fromkeys(("sim_time", "wall_time", "throttle", "brake", "steer", "speed"), 0.0)
     frame = Message("frame", 5, values | numbers)
@@ -100,6 +103,7 @@ def test_a_jpeg_that_no_camera_writes_is_not_even_begun():
 
 
 def test_a_picture_is_a_jpeg_and_back_again():
+    pytest.importorskip("PIL.Image", **PILLOW)
     grey = np.full((24, 32, 3), 80, "uint8")
     assert (pictures.decode(pictures.encode(grey)) == grey).all()
 
