@@ -200,7 +200,7 @@ def test_a_python_without_what_a_lesson_needs_says_so_and_ctrl_c_meanwhile_is_no
 NAN, NOWHERE = float("nan"), "tcp://127.0.0.1:9"
 
 
-class OldArray(np.ndarray):
+class OldArray(np.ndarray):  # type: ignore[name-defined]
     """As numpy 1.24 has it: an array of one number is a number."""
 
     def __float__(self):

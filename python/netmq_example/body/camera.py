@@ -11,7 +11,7 @@ import contextlib
 import math
 import re
 import time
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -31,10 +31,10 @@ def device(text: str) -> int | str:
 
 def watch(
     device: int | str | Path, model: Path, persons: int, hands: Path | None = None
-) -> Iterator[tuple[People, Hands]]:
+) -> Generator[tuple[People, Hands], None, None]:
     """The persons of each picture, each always in the same place of the list; and with a model for them the hands.
 
-    `device` is a webcam's number, a stream's address, or a film's file, which is played once.
+    `device` is a webcam's number, a stream's address, or a film's file, which is played once. close() frees it.
     """
     device = str(device) if isinstance(device, str | Path) and str(device) else check.count("device", device, least=0)
     check.count("persons", persons)
