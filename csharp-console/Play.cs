@@ -5,6 +5,7 @@
 //     --set count=3       the same
 //     --MyClient.count 3  that of one class, whatever the others have
 //     --seconds 5         stop then; without it, once every script with a Done property is done
+//     -batchmode          and -nographics and -logFile F: Unity's own switches change nothing here
 //
 // The scene is one game object with every MonoBehaviour of the lesson's folder, as in the lesson's Unity scene, or of the DLL.
 using System;
@@ -21,7 +22,19 @@ namespace NetMQExample.Terminal
 {
     internal static class Play
     {
-        private static readonly TimeSpan Grace = TimeSpan.FromSeconds(10);
+        private static readonly TimeSpan Grace = TimeSpan.FromSeconds(10), Goodbye = TimeSpan.FromSeconds(5);
+        private static readonly string Frozen =
+            $"a script has held the main thread for {Grace.TotalSeconds} s, in Update or at Stop: Unity's editor would be frozen now";
+        // Nobody waits for it: it comes up only if something else keeps the process.
+        private static readonly Timer Left = new(_ => GiveUp($"a thread of a script still runs {Goodbye.TotalSeconds} s after Stop: in Unity's editor it "
+            + "would go on until the editor is closed. Let its loop end in OnDisable, and set its IsBackground"));
+
+        /// <summary>Without those of Unity's own switches that have no meaning here.</summary>
+        public static IEnumerable<string> WithoutUnitysOwn(string[] words)
+        {
+            bool Is(int i, params string[] names) => i >= 0 && names.Contains(words[i], StringComparer.OrdinalIgnoreCase);
+            return words.Where((word, i) => !Is(i, "-batchmode", "-nographics", "-logFile") && !Is(i - 1, "-logFile"));
+        }
 
         public static int Run(string? lesson, Arguments arguments)
         {
@@ -31,6 +44,7 @@ namespace NetMQExample.Terminal
             var types = own == null ? Scripts.Of(lessons, lesson ?? "") : Scripts.Of(own, lessons);
             var fields = types.SelectMany(Inspector.Defaults).ToList();
             // A script that has such a field itself ends by itself then.
+            var untilDone = !arguments.Has("seconds");
             var limit = fields.Any(field => field.Name == "seconds") ? TimeSpan.FromDays(1) : arguments.Seconds("seconds", 86400);
             var settings = new List<(string Name, string Value)>();
             for (var set = arguments.Text("set", ""); set.Length > 0; set = arguments.Text("set", "")) settings.Add(Setting(set));
@@ -49,27 +63,27 @@ namespace NetMQExample.Terminal
             using var interrupt = PosixSignalRegistration.Create(PosixSignal.SIGINT, Stop);
             using var terminate = PosixSignalRegistration.Create(PosixSignal.SIGTERM, Stop);
 
-            using var frozen = new Timer(_ => GiveUp(), null, limit + Grace, Timeout.InfiniteTimeSpan);
+            using var frozen = new Timer(_ => GiveUp(Frozen), null, limit + Grace, Timeout.InfiniteTimeSpan);
             var player = own == null ? new Player(lessons) : new Player(lessons, own);
             try
             {
                 player.Begin(() => MakeScene(types, settings));
-                player.Run(limit, () => Volatile.Read(ref stopped) == 1);
+                player.Run(limit, () => Volatile.Read(ref stopped) == 1, untilDone);
             }
             finally
             {
                 frozen.Change(Grace, Timeout.InfiniteTimeSpan);
                 player.Stop();
+                Left.Change(Goodbye, Timeout.InfiniteTimeSpan);
             }
             if (stopped == 1) Console.Error.WriteLine("stopped");
             return stopped == 1 || player.Errors > 0 ? 1 : 0;
         }
 
         // What freezes Unity's editor would keep a terminal waiting without a word.
-        private static void GiveUp()
+        private static void GiveUp(string why)
         {
-            Console.Error.WriteLine(
-                $"gave up: a script has held the main thread for {Grace.TotalSeconds} s, in Update or at Stop: Unity's editor would be frozen now");
+            Console.Error.WriteLine($"gave up: {why}");
             Environment.Exit(1);
         }
 

@@ -29,7 +29,7 @@ namespace NetMQExample.Terminal
                     NetMQConnection.Prepare = new ClientKeys(words[keys + 1]).Apply;
                     words = words.Where((word, i) => i != keys && i != keys + 1).ToArray();
                 }
-                if (words.Contains("--unity")) return Play.Run(words[0], new Arguments(words.Skip(1)));
+                if (words.Contains("--unity")) return Play.Run(words[0], new Arguments(Play.WithoutUnitysOwn(words).Skip(1)));
                 var lesson = Lesson(words.FirstOrDefault());
                 Invoke(lesson, new Arguments(words.Skip(1)));
                 return 0;

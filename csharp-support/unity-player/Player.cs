@@ -136,13 +136,14 @@ namespace UnityPlayer
         private static TimeSpan FrameLength => Application.targetFrameRate > 0 ? TimeSpan.FromSeconds(1.0 / Application.targetFrameRate)
             : QualitySettings.VSyncs > 0 ? FrameTime * QualitySettings.VSyncs : TimeSpan.Zero;
 
-        /// <summary>Frames at 60 a second, or at targetFrameRate, until everything is done, the time is over or somebody asks to stop.</summary>
-        public void Run(TimeSpan limit, Func<bool> stopAsked)
+        /// <summary>Frames at 60 a second, or at targetFrameRate, until the time is over, somebody asks to stop, a script calls Application.Quit or, unless the
+        /// caller wants all of the time, every script is done.</summary>
+        public void Run(TimeSpan limit, Func<bool> stopAsked, bool untilDone = true)
         {
             for (var next = clock.Elapsed; clock.Elapsed < limit && !stopAsked(); next += FrameLength)
             {
                 Frame();
-                if (Done) return;
+                if (Application.QuitAsked || (untilDone && Done)) return;
                 var rest = next + FrameLength - clock.Elapsed;
                 if (rest > TimeSpan.Zero) Thread.Sleep(rest);
                 // A frame that took too long is not made up for by a burst of short ones.
@@ -173,6 +174,7 @@ namespace UnityPlayer
             Application.SayQuitting();
             while (LoadedScene.Objects.Count > 0) LoadedScene.Remove(LoadedScene.Objects[0]);
             LoadedScene.RemoveDestroyed();
+            Debug.SayRepeated();
             Application.Playing = false;
             SynchronizationContext.SetSynchronizationContext(contextBefore);
             return busy.Elapsed;

@@ -7,12 +7,12 @@ from kitlib.lessons import PACKAGE, KitError, UsageError
 from kitlib.programs import run_in_terminal
 from kitlib.setup import dotnet
 from kitlib.terminal import say
-from kitlib.unity.player import why
+from kitlib.unity.player import for_dotnet, why
 from kitlib.unity.project import scripts_of_the_kit
 
 ABOUT = """Plays scripts of your own as Unity would, without Unity: every MonoBehaviour in these files, on one object.
 
-  --seconds 5         stops then; without it at Application.Quit(), or once every public `bool Done` property is true
+  --seconds 5         stops then, or at Application.Quit(); without it also once every public `bool Done` property is true
   --count 3           sets the serialized field `count`, as the inspector does
   --set count=3       the same, also for a field that has the name of an option, such as timeout; --endpoint counts more
   --MyClient.count 3  sets it in this class alone; without a class in each one that has it"""
@@ -45,7 +45,7 @@ def do(options: argparse.Namespace) -> int:
     netmq = dotnet.find_netmq()
     player = dotnet.build(netmq)
     try:
-        scripts = dotnet.build(netmq, dotnet.OWN_SCRIPTS, files, theirs)
+        scripts = dotnet.build(netmq, dotnet.OWN_SCRIPTS, [for_dotnet(path) for path in files], theirs)
     except dotnet.DoesNotCompile as error:
         raise KitError(why(error.output, files, theirs)) from None
     # What a script keeps in a file, it keeps where its owner is, and not in the kit.

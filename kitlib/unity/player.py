@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import difflib
 import functools
+import hashlib
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from kitlib.lessons import KIT, PACKAGE, ROOT, lessons
-from kitlib.setup.dotnet import SUPPORT, compiler_errors
+from kitlib.setup.dotnet import BUILD, SUPPORT, compiler_errors
 from kitlib.terminal import command
 from kitlib.unity.install import code, of_lesson, types, uses
 from kitlib.unity.project import find_project
@@ -27,6 +28,8 @@ CHANGED = "the player uses your copy of a kit's file only if you name it here, w
 # The compiler's words for a type, a name or a namespace that is nowhere, and for a member that a type does not have.
 NOWHERE = r"error CS(?:0246|0103|0234): \D*?'(?=\w+' does not exist in the namespace '([\w.]+)'|)(\w+)'"
 NO_MEMBER = r"error CS(?:0117|1061): '(\w+)' does not contain a definition for '(\w+)'"
+# A variable that is a thread.
+THREAD = re.compile(r"\bThread\s+(\w+)|(\w+)\s*=\s*new (?:System\.Threading\.)?Thread\b")
 # In the source: `public float x, y;`, `public float Range(`, and no operator.
 MEMBER = r"(?:^ {8}|[{;] )public (?!delegate|.* operator )[^=({;]*?(\w+(?:, \w+)*)(?:<\w+>)?(?=\W*[=({;\n])"
 
@@ -46,6 +49,21 @@ def stand_ins() -> dict[str, list[str]]:
                 members = [member for some in re.findall(MEMBER, body, re.MULTILINE) for member in some.split(", ")]
             found.setdefault(name, []).extend(member for member in members if member != name)
     return {name: sorted(set(found[name])) for name in sorted(found)}
+
+
+def for_dotnet(path: Path) -> Path:
+    """The script, or a copy that calls the player's method in place of Abort of a thread, which .NET does not have."""
+    text = path.read_text(encoding="utf-8-sig", errors="surrogateescape")
+    threads = [name for pair in THREAD.findall(text) for name in pair if name]
+    changed = re.sub(rf"\b({'|'.join(threads)})(\??)\.Abort\(\)", r"\1\2.AbortAsOnMono()", text) if threads else text
+    if changed == text:
+        return path
+    copy = BUILD / "own" / hashlib.sha256(str(path).encode()).hexdigest()[:12] / path.name
+    changed = f'#line 1 "{path}"\n{changed}'
+    if not copy.exists() or copy.read_text(encoding="utf-8", errors="surrogateescape") != changed:
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        copy.write_text(changed, encoding="utf-8", errors="surrogateescape")
+    return copy
 
 
 def bringing(names: Iterable[str]) -> list[int]:

@@ -10,6 +10,7 @@ The thread has a LazyPirate, whose bytes and retries are in lazy_pirate.py. In C
 
 import contextlib
 import functools
+import logging
 import queue
 import threading
 import weakref
@@ -48,6 +49,7 @@ class BackgroundClient(OneProcess):
         self.waiting: Waiting = queue.SimpleQueue()
         # Which of the two callbacks gets a text: 0 the reply, 1 the error.
         self.done: queue.SimpleQueue[tuple[int, str]] = queue.SimpleQueue()
+        self.polled = False
         self.end = finalizer(self, end, self.pirate, self.waiting)
         self.end.atexit = False
         words = (self.context, self.pirate, self.waiting, client)
@@ -73,6 +75,7 @@ class BackgroundClient(OneProcess):
 
     def poll(self) -> None:
         """Run the callbacks of what has ended, on this thread. Call it once a frame."""
+        self.polled = True
         # Only what is there now: callbacks that ask again must not make one frame last for ever.
         for _ in range(self.done.qsize()):
             with self.gate:
@@ -105,12 +108,30 @@ def talk(context: Context, pirate: LazyPirate, waiting: Waiting, client: Client)
     """The network thread. The socket is made, used and closed here."""
     with context, contextlib.closing(pirate):
         # Sleeps, which costs nothing, until request() or close() puts something there.
-        for text in iter(waiting.get, None):
+        for text in iter(functools.partial(following, waiting, client), None):
             try:
                 tell(client, "Connected", None, (0, pirate.request(text)))
             # Whatever it is, this thread goes on, and the caller gets to know.
             except Exception as failure:
                 tell(client, "Lost", str(failure), (1, str(failure)))
+
+
+def following(waiting: Waiting, client: Client) -> str | None:
+    """The next request. If nobody has fetched the first reply for a second, one warning says how."""
+    with contextlib.suppress(queue.Empty):
+        return waiting.get(timeout=1 if unpolled(client) else None)
+    if unpolled(client, warned=True):
+        words = "BackgroundClient: a reply waits, and nobody has called poll: callbacks run only in there"
+        logging.getLogger("netmq_example").warning(words)
+    return waiting.get()
+
+
+def unpolled(client: Client, warned: bool = False) -> bool:
+    here = client()
+    if here is None or here.polled or here.done.empty():
+        return False
+    here.polled = warned
+    return True
 
 
 def tell(client: Client, state: str, trouble: str | None, done: tuple[int, str] | None = None) -> None:

@@ -271,6 +271,61 @@ def test_a_script_that_would_freeze_the_editor_is_ended_and_says_so(play, tmp_pa
         assert play(tmp_path / "Freezes.cs", "--seconds", "0.1", *where) == (1, [said])
 
 
+# What scripts for UDP and first scripts of one's own do, with a server that answers.
+ENDS = """using System;
+using System.Threading;
+using NetMQExample;
+using UnityEngine;
+
+public class Ends : MonoBehaviour
+{
+    [SerializeField] private string endpoint = "";
+    [SerializeField] private bool abort = false;
+    private Thread receiveThread;
+    private BackgroundClient client;
+    public bool Done => true;
+
+    private void Start()
+    {
+        receiveThread = new Thread(() => { while (true) Thread.Sleep(10); });
+        receiveThread.Start();
+        client = new BackgroundClient(endpoint);
+        client.Request("hello", Debug.Log);
+    }
+
+    private void Update() => throw new InvalidOperationException("in Update");
+
+    private void OnDestroy()
+    {
+        if (abort) receiveThread?.Abort();
+        Debug.Log("closing");
+        client.Dispose();
+    }
+}
+"""
+
+
+def test_what_a_script_forgets_is_said_once_and_the_play_ends(play, start, serve, tmp_path):
+    """Poll, an exception in each frame, Abort of a thread as Unity's Mono has it, and a thread that keeps a process.
+    --seconds counts more than Done."""
+    (tmp_path / "Ends.cs").write_text(ENDS, encoding="utf-8")
+    # With Unity's own switches, as ML-Agents starts a game.
+    words = [tmp_path / "Ends.cs", "-batchmode", "-nographics", "-logFile", "no.log"]
+    words += ["--endpoint", serve("04_background_client")[1], "--seconds"]
+    program = start(PYTHON, ROOT / "kit.py", "play", *words, "300", "--abort=true")
+    program.wait_for("^BackgroundClient: a reply waits, and nobody has called Poll")
+    assert program.stop(limit=60) == 130
+    said = "\n".join(program.lines)
+    thrown = r"System\.InvalidOperationException: in Update\s+at Ends\.Update\(\) in .*Ends\.cs:line 22$"
+    assert len(re.findall(rf"^{thrown}", said, re.MULTILINE)) == 1, said
+    assert len(re.findall(rf"^\d+ times more: {thrown}", said, re.MULTILINE)) == 1, said
+    # What follows Abort in the same method runs, and Dispose delivers the reply.
+    for line in "closing", "world", "Thread.Abort: Unity's Mono can", "BackgroundClient: ":
+        assert sum(each.startswith(line) for each in program.lines) == 1, said
+    code, lines = play(*words, "0.1")
+    assert code == 1 and "a thread of a script still runs 5 s after Stop" in lines[-1], lines
+
+
 # Its Update would not be called by whoever calls the kit's.
 HIDES = """class Hides : NetMQExample.NetworkBehaviour
 {

@@ -310,6 +310,20 @@ def test_a_wrong_request_to_the_python_client_takes_no_place():
         assert client.under_way == 0
 
 
+def test_a_python_client_that_nobody_polls_says_so_once(serve, caplog):
+    client = BackgroundClient(serve(KEY)[1])
+    heard = []
+    for number in range(2):
+        client.request("hello", heard.append, heard.append)
+        end = time.monotonic() + LIMIT
+        while client.done.qsize() <= number or not caplog.messages:
+            assert time.monotonic() < end
+            time.sleep(0.01)
+    client.close()
+    assert heard == ["world"] * 2
+    assert [line.partition(":")[0] for line in caplog.messages] == ["BackgroundClient"]
+
+
 def test_an_endpoint_that_libzmq_cannot_use_is_the_error_of_a_request():
     errors = []
     with contextlib.closing(BackgroundClient("nonsense://x")) as client:

@@ -1,5 +1,7 @@
 // The running game as a whole: its switches, its clock and its log.
 using System;
+using System.Collections.Concurrent;
+using System.Linq;
 using System.Threading;
 
 namespace UnityEditor
@@ -111,6 +113,8 @@ namespace UnityEngine
     public class Debug
     {
         private static int errors;
+        // As the editor's Console folds them: how often each exception came.
+        private static readonly ConcurrentDictionary<string, int> Thrown = new ConcurrentDictionary<string, int>();
         internal static int Errors => errors;
         /// <summary>What a message costs; in Unity it is 0.1 ms in a build, and a multiple in the editor.</summary>
         internal static TimeSpan Cost { get; set; }
@@ -123,8 +127,27 @@ namespace UnityEngine
         public static void LogError(object message) => Fail(message, LogType.Error);
         public static void LogError(object message, Object context) => LogError(message);
         public static void LogErrorFormat(string format, params object[] args) => LogError(Formatted(format, args));
-        public static void LogException(Exception exception) => LogError(exception);
-        public static void LogException(Exception exception, Object context) => LogError(exception);
+        public static void LogException(Exception exception) => LogException(exception, null);
+
+        public static void LogException(Exception exception, Object context)
+        {
+            var text = exception.ToString();
+            if (Thrown.AddOrUpdate(text, 1, (again, times) => times + 1) == 1) Fail(text, LogType.Exception);
+            else
+            {
+                Interlocked.Increment(ref errors);
+                Application.SayLogged(text, LogType.Exception);
+            }
+        }
+
+        /// <summary>The end of a Play: what came more than once.</summary>
+        internal static void SayRepeated()
+        {
+            foreach (var one in Thrown.Where(one => one.Value > 1))
+                Console.Error.WriteLine($"{one.Value - 1} times more: {string.Join(" ", one.Key.Split('\n').Take(2).Select(line => line.Trim()))}");
+            Thrown.Clear();
+        }
+
         public static void Assert(bool condition) => Assert(condition, "Assertion failed");
 
         public static void Assert(bool condition, string message)

@@ -52,6 +52,7 @@ namespace NetMQExample
         private (ClientState state, string error) status = (ClientState.Connecting, "");
         private TimeSpan roundTrip;
         private int replies;
+        private bool polled;
 
         /// <summary>Starts the network thread, and succeeds even while no server is there.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5554</c>.</param>
@@ -113,6 +114,7 @@ namespace NetMQExample
         /// out here, and the callbacks after it run in the next Poll.</summary>
         public void Poll()
         {
+            polled = true;
             // Only what is there now: callbacks that ask again must not make one frame last for ever.
             for (var left = done.Count; left > 0 && done.TryDequeue(out var next); left--)
                 next.callback?.Invoke(next.text);
@@ -164,8 +166,16 @@ namespace NetMQExample
         private bool TryNext(out (string text, Action<string> reply, Action<string> error) call)
         {
             lock (gate) if (waiting.TryPeek(out call)) return true;
-            // Sleeps, which costs nothing, until Request or Dispose wakes it.
-            wake.WaitOne();
+            // Sleeps, which costs nothing, until Request or Dispose wakes it; a second, if that is how long nobody has
+            // fetched the first reply.
+            if (!wake.WaitOne(polled || done.IsEmpty ? Timeout.Infinite : 1000) && !polled)
+            {
+                polled = true;
+#if UNITY_5_3_OR_NEWER
+                UnityEngine.Debug.LogWarning("BackgroundClient: a reply waits, and nobody has called Poll: callbacks "
+                    + "run only in there, so call it in Update");
+#endif
+            }
             // The system may have taken the processor from the main thread for this one: the frame goes first.
             Thread.Yield();
             return false;
