@@ -5,6 +5,8 @@
 //     --set count=3       the same
 //     --MyClient.count 3  that of one class, whatever the others have
 //     --seconds 5         stop then; without it, once every script with a Done property is done
+//     --click Send        somebody clicks this button, a second later; Volume=0.5 moves a slider; each further one a second after
+//     --add LineRenderer  the object has this component, too
 //     -batchmode          and -nographics and -logFile F: Unity's own switches change nothing here
 //
 // The scene is one game object with every MonoBehaviour of the lesson's folder, as in the lesson's Unity scene, or of the DLL.
@@ -46,8 +48,8 @@ namespace NetMQExample.Terminal
             // A script that has such a field itself ends by itself then.
             var untilDone = !arguments.Has("seconds");
             var limit = fields.Any(field => field.Name == "seconds") ? TimeSpan.FromDays(1) : arguments.Seconds("seconds", 86400);
-            var settings = new List<(string Name, string Value)>();
-            for (var set = arguments.Text("set", ""); set.Length > 0; set = arguments.Text("set", "")) settings.Add(Setting(set));
+            var settings = All(arguments, "set").Select(Setting).ToList();
+            var (clicks, added) = (All(arguments, "click"), All(arguments, "add").Select(Inspector.Component).ToArray());
             settings.AddRange(arguments.TakeTheRest());
             // Only for --help, and for what does not begin with --.
             foreach (var (name, value) in fields) arguments.Text(name, value);
@@ -67,7 +69,8 @@ namespace NetMQExample.Terminal
             var player = own == null ? new Player(lessons) : new Player(lessons, own);
             try
             {
-                player.Begin(() => MakeScene(types, settings));
+                foreach (var click in clicks) player.Clicks.Enqueue(click);
+                player.Begin(() => MakeScene(types, added, settings));
                 player.Run(limit, () => Volatile.Read(ref stopped) == 1, untilDone);
             }
             finally
@@ -87,14 +90,23 @@ namespace NetMQExample.Terminal
             Environment.Exit(1);
         }
 
-        private static void MakeScene(Type[] types, List<(string Name, string Value)> settings)
+        private static List<string> All(Arguments arguments, string name)
+        {
+            var all = new List<string>();
+            while (arguments.Has(name)) all.Add(arguments.Text(name, ""));
+            return all;
+        }
+
+        private static void MakeScene(Type[] types, Type[] added, List<(string Name, string Value)> settings)
         {
             var thing = new GameObject(types[0].Name);
             // Components wake up when their object is switched on: the fields are set by then, as in a scene file.
             thing.SetActive(false);
+            foreach (var type in added) thing.AddComponent(type);
             // One may have brought another along, by RequireComponent, whose fields count as well.
             foreach (var type in types.Where(type => thing.GetComponent(type) == null)) thing.AddComponent(type);
             var scripts = thing.GetComponents<MonoBehaviour>();
+            foreach (var script in scripts) Inspector.FillIn(script);
             // What is said of one class comes after, and so counts more than, what is said of all.
             foreach (var (name, value) in settings.OrderBy(one => one.Name.Contains('.'))) Inspector.Set(scripts, name, value);
             thing.SetActive(true);

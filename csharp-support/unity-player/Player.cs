@@ -9,6 +9,7 @@ using System.Threading;
 using UnityEngine;
 using UnityEngine.Rendering;
 using UnityEngine.SceneManagement;
+using UnityEngine.UI;
 using Debug = UnityEngine.Debug;
 
 namespace UnityPlayer
@@ -62,6 +63,10 @@ namespace UnityPlayer
         /// <summary>The textures that nobody has destroyed, and the materials with their colours.</summary>
         public static IEnumerable<string> Left => LoadedScene.Made.Select(thing => thing.GetType().Name + (thing is Material paint
             ? FormattableString.Invariant($":{paint.color.r:F2},{paint.color.g:F2},{paint.color.b:F2}") : ""));
+
+        /// <summary>What somebody does in Run, one a second: the name of a button or of a toggle, <c>Volume=0.5</c> for a slider, <c>Name=Ada</c> for
+        /// an input field, or a script's method, as the inspector wires one to a button.</summary>
+        public Queue<string> Clicks { get; } = new Queue<string>();
 
         /// <summary>The text that OnGUI has drawn last.</summary>
         public static string Drawn => GUI.Drawn;
@@ -140,8 +145,14 @@ namespace UnityPlayer
         /// caller wants all of the time, every script is done.</summary>
         public void Run(TimeSpan limit, Func<bool> stopAsked, bool untilDone = true)
         {
+            var nextClick = TimeSpan.FromSeconds(1);
             for (var next = clock.Elapsed; clock.Elapsed < limit && !stopAsked(); next += FrameLength)
             {
+                if (Clicks.Count > 0 && clock.Elapsed > nextClick)
+                {
+                    nextClick += TimeSpan.FromSeconds(1);
+                    Click(Clicks.Dequeue());
+                }
                 Frame();
                 if (Application.QuitAsked || (untilDone && Done)) return;
                 var rest = next + FrameLength - clock.Elapsed;
@@ -182,6 +193,21 @@ namespace UnityPlayer
 
         private static bool? DoneOf(MonoBehaviour script) => (bool?)script.GetType().GetProperty("Done", typeof(bool))?.GetValue(script);
         private static IEnumerable<MonoBehaviour> Behaviours() => LoadedScene.Objects.SelectMany(thing => thing.Components).OfType<MonoBehaviour>();
+
+        private static void Click(string text)
+        {
+            var words = text.Split('=', 2);
+            var ui = LoadedScene.Active.Where(one => one.name == words[0]).Select(one => one.GetComponent<Selectable>()).FirstOrDefault(one => one != null);
+            var script = Behaviours().FirstOrDefault(one => one.Can(words[0]));
+            try
+            {
+                if (ui != null) ui.Click(words.Length > 1 ? words[1] : "");
+                else if (script != null) script.Call(words[0]);
+                else Debug.LogError($"--click {text}: no button, toggle, slider or input field has this name, and no script such a method");
+            }
+            catch (FormatException) { Debug.LogError($"--click {text}: a slider takes a number, such as {words[0]}=0.5"); }
+            catch (Exception e) { Debug.LogException(e); }
+        }
 
         // By index, because a script may add or remove others, and because a frame should allocate nothing.
         private static void ForEach(Action<MonoBehaviour> call)

@@ -196,14 +196,16 @@ def build(
     their Unity project has of it, `theirs`.
     """
     name = next(project.glob("*.csproj")).stem
-    dll = BUILD / "bin" / name / "release" / f"{name}.dll"
-    stamp = BUILD / f"{name}.stamp"
+    # Each list of scripts has a folder of its own: who goes back to one does not wait for a build.
+    folder = f"{name}-{hashlib.sha256(repr(own).encode()).hexdigest()[:12]}" if own else name
+    dll = BUILD / "bin" / folder / "release" / f"{name}.dll"
+    stamp = BUILD / f"{folder}.stamp"
     now = f"{theirs is None} {fingerprint(netmq, [CONSOLE, SUPPORT, project, PACKAGE, *own, *(theirs or ())])}"
 
     def fresh() -> bool:
         # An interrupted build of another project may have taken away what all of them refer to.
-        there = all((BUILD / "bin" / one / "release" / f"{one}.dll").exists() for one in (name, *LIBRARIES))
-        return there and recall(stamp).get("sources") == now
+        there = all((BUILD / "bin" / one / "release" / f"{one}.dll").exists() for one in LIBRARIES)
+        return there and dll.exists() and recall(stamp).get("sources") == now
 
     if fresh():
         return dll
@@ -227,9 +229,11 @@ def build(
             "OwnScripts": ";".join(names),
             "KitScripts": ";".join(path.stem for path in kit),
             "ProjectScripts": ";".join(path.stem for path in theirs or ()),
+            "OwnFolder": folder,
             # By this name nobody calls the kit's own.
             "KitAlias": "" if theirs is None else "kit",
         }
+        forget_old_lists()
         result = step(f"building {name}", ["dotnet", "build", project, *words], 500, environment, ROOT)
         if not result.ok:
             if "error CS" in result.output:
@@ -237,6 +241,14 @@ def build(
             raise KitError(failure(result))
         keep(stamp, json.dumps({"sources": now}))
     return dll
+
+
+def forget_old_lists(kept: int = 20) -> None:
+    """A day of trying things out should not fill a disk."""
+    for stamp in sorted(BUILD.glob(f"{OWN_SCRIPTS.name}-*.stamp"), key=lambda path: path.stat().st_mtime)[:-kept]:
+        for place in "bin", "obj":
+            shutil.rmtree(BUILD / place / stamp.stem, ignore_errors=True)
+        stamp.unlink()
 
 
 def taken_from_the_kit(own: Sequence[Path]) -> list[Path]:

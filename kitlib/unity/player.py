@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import functools
 import hashlib
+import itertools
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
@@ -23,15 +24,29 @@ MOVED = {
     "ActuatorComponent GymRenderRecorder",
     "from_ml_agents.md": "MLAgents VectorSensor CollectObservations ActionBuffers ActionSegment OnActionReceived "
     "OnEpisodeBegin EndEpisode EpisodeInterrupted MaxStep DecisionRequester BehaviorParameters",
+    "from_hello_requester.md": "NetMQContext CreateRequestSocket CreateSubscriberSocket",
+}
+# Of these words, which others use as well: they count only beside one that nobody else has.
+EVERYBODYS = {"ToArray", "GetSingle", "Image", "GetName", "MaxStep"}
+# What is forgotten most often.
+USINGS = {
+    "System": "Action Func Exception Serializable DateTime Math",
+    "System.Collections.Concurrent": "ConcurrentQueue ConcurrentDictionary",
+    "System.Collections.Generic": "List Dictionary Queue HashSet Stack IEnumerable",
+    "System.IO": "File Path StreamReader StreamWriter",
+    "System.Threading": "Thread CancellationToken CancellationTokenSource",
+    "System.Threading.Tasks": "Task",
+    "TMPro": "TMP_Text TextMeshPro TextMeshProUGUI TMP_InputField",
+    "UnityEngine.UI": "Button Image InputField RawImage Slider Text Toggle",
 }
 CHANGED = "the player uses your copy of a kit's file only if you name it here, with each that uses its classes"
 # The compiler's words for a type, a name or a namespace that is nowhere, and for a member that a type does not have.
-NOWHERE = r"error CS(?:0246|0103|0234): \D*?'(?=\w+' does not exist in the namespace '([\w.]+)'|)(\w+)'"
+NOWHERE = r"error CS(?:0246|0103|0234): \D*?'(?=\w+' does not exist in the namespace '([\w.]+)'|)(\w+)[<,>]*'"
 NO_MEMBER = r"error CS(?:0117|1061): '(\w+)' does not contain a definition for '(\w+)'"
 # A variable that is a thread.
 THREAD = re.compile(r"\bThread\s+(\w+)|(\w+)\s*=\s*new (?:System\.Threading\.)?Thread\b")
 # In the source: `public float x, y;`, `public float Range(`, and no operator.
-MEMBER = r"(?:^ {8}|[{;] )public (?!delegate|.* operator )[^=({;]*?(\w+(?:, \w+)*)(?:<\w+>)?(?=\W*[=({;\n])"
+MEMBER = r"(?:^ {8}|[{;] )public (?!delegate|class|.* operator )[^=({;]*?(\w+(?:, \w+)*)(?:<\w+>)?(?=\W*[=({;\n])"
 
 
 @functools.cache
@@ -82,7 +97,7 @@ def bringing(names: Iterable[str]) -> list[int]:
 def why(output: str, own: Sequence[Path], theirs: Sequence[Path] | None) -> str:
     """Each of the compiler's errors once, and then what is missing, with the cure."""
     errors = compiler_errors(output)
-    said = [*lacking_of_the_kit(errors, own, theirs), *moved(errors), *lacking_of_unity(errors, own)]
+    said = [*lacking_of_the_kit(errors, own, theirs), *moved(errors, own), *lacking_of_unity(errors, own)]
     # Two classes of one name; or a member to override that only the reader's own file has.
     if "NetMQExample.dll]" in output or (not said and "error CS0115" in output):
         said = [CHANGED]
@@ -90,7 +105,7 @@ def why(output: str, own: Sequence[Path], theirs: Sequence[Path] | None) -> str:
 
 
 def lacking_of_the_kit(errors: list[str], own: Sequence[Path], theirs: Sequence[Path] | None) -> Iterator[str]:
-    kit = kits_names()
+    kit = {name for name in kits_names() if not beside(name, own)}
     if theirs is None or not any(name in kit for line in errors for _, name in re.findall(NOWHERE, line)):
         return
     # Also those of which the compiler says nothing yet, because it has not come so far.
@@ -112,13 +127,23 @@ def kits_names() -> set[str]:
     return {NAMESPACE, *(name for path in PACKAGE.glob("[0-9S]*/*.cs") for name in types(path))}
 
 
-def moved(errors: list[str]) -> Iterator[str]:
-    """Names of gymize and of ML-Agents, and the page that has ours."""
+def beside(name: str, own: Sequence[Path]) -> Path | None:
+    """A file of this name next to a script, or in its project, that was not named."""
+    near = [path.with_name(f"{name}.cs") for path in own]
+    inside = (path for folder in own[0].parents if folder.name == "Assets" for path in folder.rglob(f"{name}.cs"))
+    return next((path for path in itertools.chain(near, inside) if path.exists() and path not in own), None)
+
+
+def moved(errors: list[str], own: Sequence[Path]) -> Iterator[str]:
+    """Names of gymize, of ML-Agents and of NetMQ 3, and the page that has ours."""
+    written = set(re.findall(r"\w+", "\n".join(map(code, own))))
     words = {
         word for line in errors for quoted in re.findall(r"'([^']*)'", line) for word in re.findall(r"\w+", quoted)
     }
     for page, names in MOVED.items():
-        if found := ", ".join(name for name in names.split() if name in words):
+        theirs = set(names.split())
+        found = ", ".join(name for name in names.split() if name in words)
+        if found and (theirs - EVERYBODYS) & (written | words):
             yield f"docs/guide/{page} says what to write for {found}"
 
 
@@ -130,19 +155,35 @@ def lacking_of_unity(errors: list[str], own: Sequence[Path]) -> Iterator[str]:
         words
         for line in errors
         for words in re.findall(NOWHERE, line)
-        if words[1] not in kit and ("CS0103" not in line or re.search(rf"\b{words[1]}\.", text))
+        if "CS0103" not in line or re.search(rf"\b{words[1]}\.", text)
     )
-    if beside := [f"{name}.cs" for _, name in nowhere if any(path.with_name(f"{name}.cs").exists() for path in own)]:
-        yield f"name {', '.join(beside)}, too"
-    elif lacks := [words for words in nowhere if words[1] not in " ".join(MOVED.values()).split()]:
+    there = {words: path for words in nowhere if (path := beside(words[1], own))}
+    if there:
+        yield f"name {', '.join(shown(path, own[0]) for path in there.values())}, too"
+    told = {name for names in MOVED.values() for name in names.split()} - (EVERYBODYS - set(" ".join(moved(errors, own)).split()))
+    lacks = [words for words in nowhere if words not in there and words[1] not in told | kit]
+    for library in (name for space, name in lacks if not space and re.search(rf"^\s*using {name}\b", text, re.MULTILINE)):
+        yield f"nothing here has the namespace {library}: if it is yours, name its files, too; the player takes no DLL"
+        lacks.remove(("", library))
+    for space, names in USINGS.items():
+        if found := [name for _, name in lacks if name in names.split()]:
+            yield f"{', '.join(found)}: write `using {space};`"
+            lacks = [words for words in lacks if words[1] not in found]
+    if lacks:
         names = ", ".join(".".join(filter(None, words)) for words in lacks)
-        like = likely((name for _, name in lacks), [name for name in stand_ins() if not name.endswith("Attribute")])
-        yield f"the player has no {names}{like}; if it is yours, name its file, too"
+        # A namespace is no misspelt type.
+        types = [name for space, name in lacks if not space]
+        like = likely(types, [name for name in stand_ins() if not name.endswith("Attribute")])
+        yield f"the player has no {names}{like}{'; if it is yours, name its file, too' if types else ''}"
     members: dict[str, dict[str, None]] = {}
     for kind, member in (pair for line in errors for pair in re.findall(NO_MEMBER, line)):
         members.setdefault(kind, {})[member] = None
     for kind in (kind for kind in members if kind in stand_ins()):
         yield f"the player's {kind} has no {', '.join(members[kind])}{likely(members[kind], stand_ins()[kind])}"
+
+
+def shown(path: Path, script: Path) -> str:
+    return path.name if path.parent == script.parent else str(path)
 
 
 def likely(names: Iterable[str], there: Sequence[str]) -> str:

@@ -6,6 +6,7 @@ import pytest
 
 from kitlib import lessons
 from kitlib.docs import guide
+from kitlib.setup import dotnet
 from kitlib.terminal import command
 from kitlib.unity import install as unity_install
 from kitlib.unity import player
@@ -326,6 +327,75 @@ def test_what_a_script_forgets_is_said_once_and_the_play_ends(play, start, serve
     assert code == 1 and "a thread of a script still runs 5 s after Stop" in lines[-1], lines
 
 
+# What people's scripts do with a UI, with lines and pictures, and with what they drag into their fields.
+PANEL = """using TMPro;
+using UnityEngine;
+using UnityEngine.UI;
+
+public class Panel : MonoBehaviour
+{
+    public Text status;
+    public Slider volume;
+    public Button send;
+    public TMP_InputField word;
+    public GameObject[] points;
+    public Transform wrist, elbow;
+    private LineRenderer line;
+
+    private void Start()
+    {
+        line = GetComponent<LineRenderer>();
+        line.positionCount = points.Length;
+        for (var i = 0; i < points.Length; i++)
+        {
+            var place = points[i].transform.position;
+            place[1] = i;
+            line.SetPosition(i, place);
+        }
+        Debug.Log($"{points[points.Length - 1].name} {line.GetPosition(2)[1]} {Application.dataPath} {Application.platform != RuntimePlatform.WindowsEditor}");
+        var texture = new Texture2D(2, 2);
+        var picture = new Texture2D(3, 1, TextureFormat.RGB24, false);
+        picture.LoadRawTextureData(new byte[] { 255, 0, 0, 0, 255, 0, 0, 0, 255 });
+        Debug.Log($"{texture.LoadImage(picture.EncodeToPNG())} {texture.width}x{texture.height} {texture.GetRawTextureData<byte>()[4]}");
+        Debug.Log($"{texture.LoadImage(picture.EncodeToJPG())} {texture.LoadImage(new byte[9])}");
+        send.onClick.AddListener(() => status.text = "sent " + word.text);
+        volume.onValueChanged.AddListener(value => status.text = $"volume {value}");
+    }
+
+    private void Update() { wrist.Rotate(0, 1, 0); elbow.position = wrist.position; }
+    public void Stop() { Application.Quit(); }
+}
+"""
+
+
+def test_a_scripts_ui_and_what_its_inspector_names(play, tmp_path):
+    """Also: each list of files is built once."""
+    (tmp_path / "Panel.cs").write_text(PANEL, encoding="utf-8")
+    (tmp_path / "Plain.cs").write_text("class Plain { }", encoding="utf-8")
+    ui = "--status Status --volume Volume --send Send --word Word --add LineRenderer --points Point*21"
+    clicks = "--click Volume=0.5 --click Word=Ada --click Send --click Nobody --click Stop"
+    words = [*ui.split(), "--Panel.wrist", "Wrist", *clicks.split()]
+    # A second object, and a component that is there.
+    code, lines = play("Panel.cs", *words, "--elbow", "Panel", folder=tmp_path)
+    said = [f"Point20 2 {tmp_path} True", "True 3x1 0", "True False"]
+    said += ["[Volume] 0.5", "[Status] volume 0.5", "[Word] Ada", "[Status] sent Ada"]
+    nobody = "--click Nobody: no button, toggle, slider or input field has this name, and no script such a method"
+    assert code == 1 and sorted(lines) == sorted([*said, nobody])
+    code, lines = play("Panel.cs", "Plain.cs", "--seconds", "0.1", folder=tmp_path)
+    told = "Does Panel lack the component LineRenderer? --add LineRenderer gives it one|UnassignedReferenceException: The variable "
+    told += "wrist of Panel has not been assigned.|You probably need to assign the wrist variable of the Panel script in the inspector"
+    assert code == 1 and not [each for each in told.split("|") if each not in "\n".join(lines)], lines
+    known = {path.name: path.stat().st_mtime_ns for path in dotnet.BUILD.glob("own-scripts-*.stamp")}
+    code, lines = play("Panel.cs", *words[:-2], "--seconds", "0.1", folder=tmp_path)
+    assert code == 1 and "variable elbow of Panel has not" in "\n".join(lines), lines
+    assert known.items() >= {path.name: path.stat().st_mtime_ns for path in dotnet.BUILD.glob("own-scripts-*.stamp")}.items()
+    for wrong, says in {
+        "--add Lin": "--add Lin: the player has no such component",
+        "--wrist=": "--wrist: '' is no Transform",
+    }.items():
+        assert play("Panel.cs", *wrong.split(), folder=tmp_path) == (2, [says])
+
+
 # Its Update would not be called by whoever calls the kit's.
 HIDES = """class Hides : NetMQExample.NetworkBehaviour
 {
@@ -375,6 +445,51 @@ def test_a_name_of_gymize_or_of_ml_agents_is_answered_by_its_page(tmp_path):
         "the player has no Transfrm, but Transform; all of Unity that it has is in "
         "csharp-support/unity-player/UnityEngine; if it is yours, name its file, too",
     ]
+
+
+ABSENT = "error CS0246: The type or namespace name '{}' could not be found"
+ALL = "; all of Unity that it has is in csharp-support/unity-player/UnityEngine"
+
+
+@pytest.mark.parametrize(
+    ("error", "source", "cure"),
+    [
+        # Everybody's words are no other library's.
+        (ABSENT.format("Image"), "Image icon;", "Image: write `using UnityEngine.UI;`"),
+        ("error CS1061: 'Queue' does not contain a definition for 'ToArray'", "q.ToArray();", None),
+        (ABSENT.format("List<>"), "List<int> a;", "List: write `using System.Collections.Generic;`"),
+        # Next to it, elsewhere in the project, and beside another fault.
+        (ABSENT.format("HelloRequester"), "HelloRequester a;", "name HelloRequester.cs, too"),
+        (ABSENT.format("Far<,>"), "Far<int, int> a;", "name {game}/Assets/Deep/Far.cs, too"),
+        (
+            "\nMine.cs(1,1): ".join([ABSENT.format("HelloRequester"), ABSENT.format("Cursr")]),
+            "HelloRequester a; Cursr b;",
+            f"name HelloRequester.cs, too\nthe player has no Cursr{ALL}; if it is yours, name its file, too",
+        ),
+        (
+            ABSENT.format("MessagePack"),
+            "using MessagePack;",
+            "nothing here has the namespace MessagePack: if it is yours, name its files, too; the player takes no DLL",
+        ),
+        (ABSENT.format("NetMQContext"), "NetMQContext a;", "docs/guide/from_hello_requester.md says what to write for NetMQContext"),
+        (
+            "error CS0234: The type or namespace name 'Networking' does not exist in the namespace 'UnityEngine'",
+            "using UnityEngine.Networking;",
+            f"the player has no UnityEngine.Networking{ALL}",
+        ),
+    ],
+)
+def test_a_hint_leads_to_what_is_missing(error, source, cure, tmp_path):
+    game = tmp_path / "Game"
+    script = game / "Assets" / "Mine" / "Mine.cs"
+    (game / "ProjectSettings").mkdir(parents=True)
+    (game / "ProjectSettings" / "ProjectVersion.txt").write_text("m_EditorVersion: 6000.0.32f1\n")
+    for path in script, script.with_name("HelloRequester.cs"), game / "Assets" / "Deep" / "Far.cs":
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(source, encoding="utf-8")
+    errors = f"Mine.cs(1,1): {error}"
+    said = player.why(errors, [script], []).split("\n")[1 + len(errors.split("\n")) :]
+    assert said == (cure.format(game=game).split("\n") if cure else [])
 
 
 def test_what_cannot_be_played_is_named(play, tmp_path):

@@ -2,7 +2,9 @@
 using System;
 using System.Collections.Concurrent;
 using System.Linq;
+using System.Runtime.InteropServices;
 using System.Threading;
+using UnityPlayer;
 
 namespace UnityEditor
 {
@@ -16,6 +18,7 @@ namespace UnityEditor
 
 namespace UnityEngine
 {
+    public enum RuntimePlatform { OSXEditor = 0, OSXPlayer = 1, WindowsPlayer = 2, WindowsEditor = 7, LinuxPlayer = 13, LinuxEditor = 16 }
     public enum LogType { Error, Assert, Warning, Log, Exception }
 
     public class Application
@@ -34,6 +37,9 @@ namespace UnityEngine
         public static bool isPlaying => MainThread.Of("get_isPlaying", Playing);
         // Where the player was started; Unity has a folder of the user's for each game.
         public static string persistentDataPath => MainThread.Of("get_persistentDataPath", Environment.CurrentDirectory);
+        public static string dataPath => MainThread.Of("get_dataPath", Environment.CurrentDirectory);
+        public static RuntimePlatform platform => RuntimeInformation.IsOSPlatform(OSPlatform.Windows) ? RuntimePlatform.WindowsPlayer
+            : RuntimeInformation.IsOSPlatform(OSPlatform.OSX) ? RuntimePlatform.OSXPlayer : RuntimePlatform.LinuxPlayer;
 
         public static bool runInBackground
         {
@@ -131,7 +137,7 @@ namespace UnityEngine
 
         public static void LogException(Exception exception, Object context)
         {
-            var text = exception.ToString();
+            var text = Inspector.Explained(exception, context);
             if (Thrown.AddOrUpdate(text, 1, (again, times) => times + 1) == 1) Fail(text, LogType.Exception);
             else
             {

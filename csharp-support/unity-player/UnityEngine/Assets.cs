@@ -35,11 +35,17 @@ namespace UnityEngine.Events
     public delegate void UnityAction();
     public delegate void UnityAction<T0>(T0 arg0);
     public delegate void UnityAction<T0, T1>(T0 arg0, T1 arg1);
-    public abstract class UnityEventBase { }
+
+    public abstract class UnityEventBase
+    {
+        public void RemoveAllListeners() => Forget();
+        private protected abstract void Forget();
+    }
 
     public class UnityEvent : UnityEventBase
     {
         private event UnityAction Calls;
+        private protected override void Forget() => Calls = null;
         public void AddListener(UnityAction call) => Calls += call;
         public void RemoveListener(UnityAction call) => Calls -= call;
         public void Invoke() => Calls?.Invoke();
@@ -48,6 +54,7 @@ namespace UnityEngine.Events
     public class UnityEvent<T0> : UnityEventBase
     {
         private event UnityAction<T0> Calls;
+        private protected override void Forget() => Calls = null;
         public void AddListener(UnityAction<T0> call) => Calls += call;
         public void RemoveListener(UnityAction<T0> call) => Calls -= call;
         public void Invoke(T0 arg0) => Calls?.Invoke(arg0);

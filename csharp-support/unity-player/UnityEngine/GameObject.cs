@@ -95,6 +95,8 @@ namespace UnityEngine
         }
 
         public Component GetComponent(Type type) => Components.FirstOrDefault(type.IsInstanceOfType);
+        public Component GetComponent(string type) => Components.FirstOrDefault(part => part.GetType().Name == type);
+        public Component[] GetComponents(Type type) => Components.Where(type.IsInstanceOfType).ToArray();
         public bool TryGetComponent<T>(out T component) => (component = GetComponent<T>()) != null;
         public T[] GetComponents<T>() => Components.OfType<T>().ToArray();
         public T GetComponentInChildren<T>() => GetComponentsInChildren<T>().FirstOrDefault();
@@ -134,6 +136,9 @@ namespace UnityEngine
         public string tag { get => Owner.tag; set => Owner.tag = value; }
         public bool CompareTag(string tag) => Owner.CompareTag(tag);
         public T GetComponent<T>() => Owner.GetComponent<T>();
+        public Component GetComponent(Type type) => Owner.GetComponent(type);
+        public Component GetComponent(string type) => Owner.GetComponent(type);
+        public Component[] GetComponents(Type type) => Owner.GetComponents(type);
         public bool TryGetComponent<T>(out T component) => Owner.TryGetComponent(out component);
         public T[] GetComponents<T>() => Owner.GetComponents<T>();
         public T GetComponentInChildren<T>() => Owner.GetComponentInChildren<T>();

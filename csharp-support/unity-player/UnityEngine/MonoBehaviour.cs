@@ -90,6 +90,9 @@ namespace UnityEngine
             if (running) Send(message);
         }
 
+        /// <summary>Whether it has a method of this name that wants nothing.</summary>
+        internal bool Can(string method) => Method(method, 0) != null;
+
         /// <summary>Calls what was invoked.</summary>
         internal void Call(string method)
         {

@@ -50,6 +50,7 @@ namespace UnityEngine
         public static T FindObjectOfType<T>() where T : Object => FindAnyObjectByType<T>();
         public static T FindFirstObjectByType<T>() where T : Object => FindAnyObjectByType<T>();
         public static T FindAnyObjectByType<T>() where T : Object => FindObjectsByType<T>(FindObjectsInactive.Exclude).FirstOrDefault();
+        public static Object[] FindObjectsOfType(Type type) => FindObjectsByType<Object>().Where(type.IsInstanceOfType).ToArray();
         public static T[] FindObjectsOfType<T>() where T : Object => FindObjectsByType<T>(FindObjectsInactive.Exclude);
         public static T[] FindObjectsByType<T>() where T : Object => FindObjectsByType<T>(FindObjectsInactive.Exclude);
         public static T[] FindObjectsByType<T>(FindObjectsSortMode sortMode) where T : Object => FindObjectsByType<T>(FindObjectsInactive.Exclude);
@@ -71,12 +72,18 @@ namespace UnityEngine
         public static bool operator !=(Object x, Object y) => !(x == y);
         public override bool Equals(object other) => other is Object thing ? this == thing : other == null && Destroyed;
         public override int GetHashCode() => base.GetHashCode();
+        public int GetInstanceID() => MainThread.Of("GetInstanceID", GetHashCode());
         public override string ToString() => $"{Title} ({GetType().FullName})";
         private static bool IsGone(Object thing) => thing is null || thing.Destroyed;
     }
 
     public enum FindObjectsInactive { Exclude, Include }
     public enum FindObjectsSortMode { None, InstanceID }
+
+    public class UnassignedReferenceException : SystemException
+    {
+        public UnassignedReferenceException(string message) : base(message) { }
+    }
 
     public class UnityException : SystemException
     {

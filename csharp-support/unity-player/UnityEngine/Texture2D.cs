@@ -43,7 +43,7 @@ namespace UnityEngine
     public sealed class Texture2D : Texture
     {
         private static Texture2D white;
-        private readonly byte[] pixels;
+        private byte[] pixels;
 
         public static Texture2D whiteTexture
         {
@@ -53,6 +53,8 @@ namespace UnityEngine
                 return white;
             }
         }
+
+        public Texture2D(int width, int height) : this(width, height, TextureFormat.RGBA32, false) { }
 
         public Texture2D(int width, int height, TextureFormat textureFormat, bool mipChain)
         {
@@ -75,6 +77,8 @@ namespace UnityEngine
 
         /// <summary>Where a graphics card is, it gets the pixels now.</summary>
         public void Apply() => MainThread.Only(nameof(Apply));
+        public void Apply(bool updateMipmaps) => Apply();
+        public void Apply(bool updateMipmaps, bool makeNoLongerReadable) => Apply();
 
         public NativeArray<T> GetRawTextureData<T>() where T : struct
         {
@@ -92,5 +96,8 @@ namespace UnityEngine
         }
 
         internal byte[] Pixels => pixels;
+
+        /// <summary>Another picture, of whatever size.</summary>
+        internal void Become(int width, int height, byte[] pixels) => (this.width, this.height, this.pixels) = (width, height, pixels);
     }
 }

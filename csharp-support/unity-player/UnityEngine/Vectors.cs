@@ -44,6 +44,19 @@ namespace UnityEngine
         public float x, y, z;
         public Vector3(float x, float y, float z) => (this.x, this.y, this.z) = (x, y, z);
         public Vector3(float x, float y) : this(x, y, 0) { }
+
+        public float this[int index]
+        {
+            get => index == 0 ? x : index == 1 ? y : index == 2 ? z : throw new IndexOutOfRangeException("Invalid Vector3 index!");
+            set
+            {
+                if (index == 0) x = value;
+                else if (index == 1) y = value;
+                else if (index == 2) z = value;
+                else throw new IndexOutOfRangeException("Invalid Vector3 index!");
+            }
+        }
+
         public static Vector3 zero => default;
         public static Vector3 one => new Vector3(1, 1, 1);
         public static Vector3 forward => new Vector3(0, 0, 1);

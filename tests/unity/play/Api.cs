@@ -29,7 +29,7 @@ namespace NetMQExample.PlayTest
         {
             // A delegate stands where it is used. Beside a stand-in is the program that uses it.
             var types = standIns.SelectMany(standIn => standIn.GetExportedTypes()).Where(type =>
-                !typeof(Delegate).IsAssignableFrom(type) && Regex.IsMatch(type.FullName, @"^Unity(Engine|Editor)?\."));
+                !typeof(Delegate).IsAssignableFrom(type) && Regex.IsMatch(type.FullName, @"^(Unity(Engine|Editor)?|TMPro)\."));
             foreach (var type in types.OrderBy(type => type.FullName, StringComparer.Ordinal))
             {
                 var plain = type.IsValueType || type.BaseType == typeof(object) || type.BaseType == null;
