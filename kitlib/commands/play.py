@@ -12,10 +12,13 @@ from kitlib.unity.project import scripts_of_the_kit
 
 ABOUT = """Plays scripts of your own as Unity would, without Unity: every MonoBehaviour in these files, on one object.
 
-  --seconds 5         stops then, or at Application.Quit(); without it also once every public `bool Done` property is true
+  --seconds 5         stops then, or at Application.Quit(); without it also once every `public bool Done` is true
   --count 3           sets the serialized field `count`, as the inspector does
   --set count=3       the same, also for a field that has the name of an option, such as timeout; --endpoint counts more
-  --MyClient.count 3  sets it in this class alone; without a class in each one that has it"""
+  --MyClient.count 3  sets it in this class alone; without a class in each one that has it
+  --wrist Wrist       makes the object, or its component, that a field names; --points Point*21 fills an array
+  --add LineRenderer  gives the scripts' object this component
+  --click Send        a second later; --click Volume=0.5 and --click Name=Ada a second after that, in a UI"""
 EXAMPLES = [
     "play MyClient.cs",
     "play MyClient.cs MyQueue.cs --endpoint tcp://127.0.0.1:5554   with a class that it uses; sets a field",

@@ -160,9 +160,13 @@ def lacking_of_unity(errors: list[str], own: Sequence[Path]) -> Iterator[str]:
     there = {words: path for words in nowhere if (path := beside(words[1], own))}
     if there:
         yield f"name {', '.join(shown(path, own[0]) for path in there.values())}, too"
-    told = {name for names in MOVED.values() for name in names.split()} - (EVERYBODYS - set(" ".join(moved(errors, own)).split()))
+    told = {name for names in MOVED.values() for name in names.split()} - (
+        EVERYBODYS - set(" ".join(moved(errors, own)).split())
+    )
     lacks = [words for words in nowhere if words not in there and words[1] not in told | kit]
-    for library in (name for space, name in lacks if not space and re.search(rf"^\s*using {name}\b", text, re.MULTILINE)):
+    for library in (
+        name for space, name in lacks if not space and re.search(rf"^\s*using {name}\b", text, re.MULTILINE)
+    ):
         yield f"nothing here has the namespace {library}: if it is yours, name its files, too; the player takes no DLL"
         lacks.remove(("", library))
     for space, names in USINGS.items():
