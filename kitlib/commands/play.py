@@ -37,6 +37,9 @@ def do(options: argparse.Namespace) -> int:
         if path.suffix != ".cs" or not path.is_file():
             cure = '; a value with blanks is a word of its own: --scale "0, 1, 0"' * path.name.startswith("--")
             raise UsageError(f"there is no C# file {path}{cure}")
+    if twice := next((path for path in files if files.count(path) > 1), None):
+        cure = f'new GameObject("second").AddComponent<{twice.stem}>() in another script makes a second one'
+        raise UsageError(f"{twice.name} is named twice: {cure}")
     theirs = scripts_of_the_kit(files[0])
     if theirs is not None:
         # What is named here, there or in the kit, is not taken from there once more.

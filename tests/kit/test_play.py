@@ -522,6 +522,8 @@ def test_what_cannot_be_played_is_named(play, tmp_path):
     (tmp_path / "Plain.cs").write_text("class Plain { }", encoding="utf-8")
     assert play(tmp_path / "Plain.cs") == (2, ["there is no MonoBehaviour in these files"])
     assert play(tmp_path / "absent.cs") == (2, [f"kit    | there is no C# file {tmp_path / 'absent.cs'}"])
+    code, lines = play(tmp_path / "Plain.cs", tmp_path / "Plain.cs")
+    assert code == 2 and "Plain.cs is named twice: new GameObject(" in lines[0]
     # With double quotes: cmd knows no others.
     cure = 'a value with blanks is a word of its own: --scale "0, 1, 0"'
     assert play("--scale=0, 1, 0") == (2, [f"kit    | there is no C# file {ROOT / '--scale=0, 1, 0'}; {cure}"])

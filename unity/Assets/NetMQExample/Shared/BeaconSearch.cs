@@ -163,7 +163,9 @@ namespace NetMQExample
             }
             // Not every phone lets an app ask.
             catch (Exception e) when (e is NetworkInformationException || e is NotSupportedException
-                || e is NotImplementedException) { }
+                || e is NotImplementedException)
+            {
+            }
             return found;
         }
     }
