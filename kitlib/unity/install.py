@@ -232,7 +232,8 @@ def add_packages(root: Path, needed: dict[str, str], there: Inventory) -> None:
     except OSError as error:
         new.unlink(missing_ok=True)
         names = ", ".join(wanted)
-        say(f"Packages/manifest.json cannot be written ({error}): add in Unity's Package Manager: {names}")
+        why = error.strerror or error
+        say(f"Packages/manifest.json cannot be written ({why}): add in Unity's Package Manager: {names}")
         return
     for name, version in wanted.items():
         say(f"added {name} {version} to Packages/manifest.json")
