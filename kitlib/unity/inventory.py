@@ -217,4 +217,5 @@ def served(dll: Path, unity: tuple[int, int], default: set[str]) -> set[str]:
 def imported(folder: Path, name: str) -> list[Path]:
     """The files of this name that Unity sees: it ignores what begins with a dot or ends with a tilde."""
     ignored = re.compile(r"^\.|~$")
-    return [p for p in sorted(folder.rglob(name)) if not any(map(ignored.search, p.relative_to(folder).parts))]
+    files = (path for path in sorted(folder.rglob(name)) if path.is_file())
+    return [path for path in files if not any(map(ignored.search, path.relative_to(folder).parts))]

@@ -18,6 +18,8 @@ def needed(*modules: str) -> None:
 
 
 def without(error: ImportError) -> ImportError:
-    """The same with its cure."""
+    """The same with its cure, which is another one where the package is there and broken."""
+    if not isinstance(error, ModuleNotFoundError):
+        return error
     package = str(error.name).partition(".")[0]
-    return type(error)(f"{error}: {pip_install(ON_PYPI.get(package, package))}", name=error.name)
+    return ModuleNotFoundError(f"{error}: {pip_install(ON_PYPI.get(package, package))}", name=error.name)

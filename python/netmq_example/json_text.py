@@ -9,7 +9,7 @@ import re
 
 DEEPEST = 64
 # A bracket; or a text, in which a bracket is a character like any other.
-PARTS = re.compile(r'"(?:[^"\\]|\\.)*"?|[][{}]', re.DOTALL)
+PARTS = re.compile(r'"(?:[^"\\]++|\\.)*+"?|[][{}]', re.DOTALL)
 
 
 def shallow(text: str) -> str:

@@ -300,7 +300,8 @@ def importing(needs: str, stopped: str | None = None) -> Iterator[None]:
         yield
     except ImportError as error:
         # Beyond the colon stands how it is installed without the kit.
-        raise SystemExit(f"{str(error).partition(': ')[0]}: this lesson needs {needs}") from None
+        why = str(error).partition(": ")[0] if isinstance(error, ModuleNotFoundError) else error
+        raise SystemExit(f"{why}: this lesson needs {needs}") from None
     except KeyboardInterrupt:
         raise SystemExit(stopped) from None
 

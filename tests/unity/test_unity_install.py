@@ -415,6 +415,14 @@ def test_the_kit_adds_what_another_copy_does_not_serve(theirs, ours, project, nu
     assert f"Exclude Editor: {1 - ours[1]}" in meta.read_text()
 
 
+@pytest.mark.skipif(os.name == "nt", reason="a link needs a right of its own on Windows")
+def test_a_link_that_leads_nowhere_and_a_folder_are_no_dlls(project, nuget):
+    (project / "Assets" / "Plugins" / "AsyncIO.dll").mkdir(parents=True)
+    (project / "Assets" / "Plugins" / "NetMQ.dll").symlink_to("nowhere")
+    unity_install.install(project, "1", False)
+    assert {"NetMQ.dll", "AsyncIO.dll"} <= {path.name for path in (project / unity_install.PLUGINS).iterdir()}
+
+
 OLD_LIST = '<packages><package version="4.0.0.1" id="NetMQ" /></packages>'
 OLD_DLL = "Assets/Packages/NetMQ.4.0.0.1/lib/netstandard2.1/NetMQ.dll"
 
