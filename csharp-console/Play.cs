@@ -77,7 +77,8 @@ namespace NetMQExample.Terminal
             {
                 frozen.Change(Grace, Timeout.InfiniteTimeSpan);
                 player.Stop();
-                Left.Change(Goodbye, Timeout.InfiniteTimeSpan);
+                // A lesson's leaves none.
+                if (own != null) Left.Change(Goodbye, Timeout.InfiniteTimeSpan);
             }
             if (stopped == 1) Console.Error.WriteLine("stopped");
             return stopped == 1 || player.Errors > 0 ? 1 : 0;

@@ -36,7 +36,7 @@ def test_the_stand_ins_have_unitys_signatures(harness):
     editor.do("quit")
     facts = [line for file in HERE.glob("unity*_api.txt") for line in file.read_text(encoding="utf-8").splitlines()]
     known = by_type(facts)
-    assert all(re.fullmatch(r"\w+ [\w.`+]+( : \w+)?    \S+\.cs( \S+\.cs)*", line) for line in known)
+    assert all(re.fullmatch(r"\w+ [\w.`+]+( : [\w<>]+)?    \S+\.cs( \S+\.cs)*", line) for line in known)
     assert here == {line.split("    ")[0]: members for line, members in known.items()}
 
 

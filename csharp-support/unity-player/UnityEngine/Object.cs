@@ -80,11 +80,6 @@ namespace UnityEngine
     public enum FindObjectsInactive { Exclude, Include }
     public enum FindObjectsSortMode { None, InstanceID }
 
-    public class UnassignedReferenceException : SystemException
-    {
-        public UnassignedReferenceException(string message) : base(message) { }
-    }
-
     public class UnityException : SystemException
     {
         public UnityException(string message) : base(message) { }
