@@ -25,12 +25,19 @@ def connect_once(socket: zmq.Socket[Any], endpoint: str, wait: float, stop: thre
     # A pulled cable closes no connection: a silent peer is asked, and gone when 2.5 s bring no answer. After less, a
     # computer that learns on all its cores would be taken for gone.
     socket.heartbeat_ivl, socket.heartbeat_timeout = 500, 2500
-    end = time.monotonic() + wait
     with socket.get_monitor_socket(zmq.EVENT_CLOSED | zmq.EVENT_DISCONNECTED) as refused:
         try:
             socket.connect(endpoint)
-            while not socket.poll(min(SLICE_MS, int(1000 * wait)), zmq.POLLOUT):
-                if time.monotonic() > end or (stop and stop.is_set()):
-                    raise (ConnectionRefusedError if refused.poll(0) else TimeoutError)(NO_CONNECTION)
+            if not poll(socket, zmq.POLLOUT, wait, stop):
+                raise (ConnectionRefusedError if refused.poll(0) else TimeoutError)(NO_CONNECTION)
         finally:
             socket.disable_monitor()
+
+
+def poll(socket: zmq.Socket[Any], event: int, wait: float, stop: threading.Event | None = None) -> bool:
+    """Whether it comes within so many seconds, looked at in slices."""
+    end = time.monotonic() + wait
+    while not socket.poll(min(SLICE_MS, int(1000 * wait)), event):
+        if time.monotonic() > end or (stop and stop.is_set()):
+            return False
+    return True

@@ -29,8 +29,8 @@ from netmq_example import check
 from netmq_example.beacon import cure
 from netmq_example.errors import longer
 from netmq_example.messages import LIMIT, Array, Message, MessageError, read, take
-from netmq_example.one_connection import NO_CONNECTION, TRY_SECONDS, connect_once
-from netmq_example.program import SLICE_MS, limit
+from netmq_example.one_connection import NO_CONNECTION, TRY_SECONDS, connect_once, poll
+from netmq_example.program import limit
 
 # Pictures that were sent and are not acknowledged by Python yet, and pictures at all.
 MOST_SENT = 2
@@ -194,9 +194,7 @@ class ViewSender:
                 try:
                     connect_once(socket, self.endpoint, wait, stop)
                     self.talk(socket, views, stop, wait)
-                except zmq.Again:
-                    pass
-                except (MessageError, ConnectionError, TimeoutError) as error:
+                except (MessageError, ConnectionError, TimeoutError, zmq.Again) as error:
                     why = str(error)
                     # Where nobody listens yet, a short try is enough.
                     tries = 0 if self.connected or isinstance(error, ConnectionRefusedError) else tries + 1
@@ -211,12 +209,10 @@ class ViewSender:
         sizes = b"".join(side.to_bytes(4, "little") for view in views for side in (view.width, view.height))
         names = {"views": ",".join(view.name for view in views)}
         socket.send_multipart(Message("hello", 0, names, [Array("int32", (len(views), 2), sizes)]).frames())
-        end = time.monotonic() + wait
-        while not (welcome := self.receive(socket, min(SLICE_MS / 1000, wait))):
-            if time.monotonic() > end or stop.is_set():
-                raise TimeoutError("no answer to hello")
-        if welcome.kind != "welcome":
-            raise MessageError("no-welcome", "hello had another answer")
+        poll(socket, zmq.POLLIN, wait, stop)
+        welcome = self.receive(socket, 0)
+        if not welcome or welcome.kind != "welcome":
+            raise MessageError("no-welcome", "no answer to hello")
         shown = ", ".join(f"{view.name} {view.width} x {view.height}" for view in views)
         self.report(f"{self.endpoint} can film {shown}")
         self.connected = True
