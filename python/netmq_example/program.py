@@ -13,7 +13,6 @@ A client has client_options, connected and run(main, stopped="stopped"). Shared/
 
 import argparse
 import contextlib
-import functools
 import io
 import math
 import os
@@ -239,7 +238,7 @@ def positive_seconds(text: str) -> float:
 
 def whole(text: str) -> int:
     """A whole number, 0 or more."""
-    return option(functools.partial(check.count, least=0), text, int)
+    return option(lambda name, value: check.count(name, value, least=0), text, int)
 
 
 def at_least_one(text: str) -> int:

@@ -9,9 +9,9 @@ from netmq_example.program import importing
 def test_a_package_that_is_there_and_broken_is_not_to_be_installed(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(tmp_path)
     (tmp_path / "brokenpackage.py").write_text("raise ImportError('another ABI: see its page')")
-    with pytest.raises(ImportError, match="^another ABI: see its page$"):
+    with pytest.raises(ImportError, match=r"^another ABI: see its page$"):
         needed("brokenpackage")
-    with pytest.raises(ImportError, match="pip install nosuchpackage$"):
+    with pytest.raises(ImportError, match=r"pip install nosuchpackage$"):
         needed("nosuchpackage.part")
-    with pytest.raises(SystemExit, match="^another ABI: see its page: this lesson needs it$"), importing("it"):
+    with pytest.raises(SystemExit, match=r"^another ABI: see its page: this lesson needs it$"), importing("it"):
         needed("brokenpackage")
