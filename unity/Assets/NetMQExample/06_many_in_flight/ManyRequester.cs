@@ -176,7 +176,7 @@ namespace NetMQExample
             var (number, text, _, attempt) = pending[id];
             var seconds = FormattableString.Invariant($"{Timeout(attempt).TotalSeconds} s");
             var why = $"no reply in {NetMQConnection.Tries(tries)} of up to {seconds}; "
-                + "is the server running, slow, or its reply over 64 KB?";
+                + connection.Cure("is the server running, slow, or its reply over 64 KB?");
             failed = new Answer(number, null, why);
             if (attempt == tries) return pending.Remove(id);
             report($"{number}: no reply within {seconds}; try {attempt + 1} of {tries}");

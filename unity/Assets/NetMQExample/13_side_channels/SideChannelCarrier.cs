@@ -86,7 +86,8 @@ namespace NetMQExample.SideChannels
             else if (silent > timeout && !away)
             {
                 var why = FormattableString.Invariant(
-                    $"no word from {endpoint} within {timeout.TotalSeconds} s; is the server running?");
+                    $"no word from {endpoint} within {timeout.TotalSeconds} s; ")
+                    + connection.Cure("is the server running?");
                 if (report == null) throw new TimeoutException(why);
                 away = true;
                 report($"{why} It is tried again and again");

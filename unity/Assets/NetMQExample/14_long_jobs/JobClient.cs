@@ -138,7 +138,7 @@ namespace NetMQExample
                 silent++;
                 if (silent == tries)
                     throw new TimeoutException($"no word of it from {endpoint} in {NetMQConnection.Tries(tries)} of "
-                        + $"up to {limit}; {dropped ?? "is the server running?"} Its id is {Job}");
+                        + $"up to {limit}; {dropped ?? connection.Cure("is the server running?")} Its id is {Job}");
                 report($"no word within {limit}; try {silent + 1} of {tries}");
                 // A new socket helps, whatever was wrong with this one.
                 connection.Close();

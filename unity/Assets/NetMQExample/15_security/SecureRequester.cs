@@ -79,7 +79,9 @@ namespace NetMQExample
                 if (attempt == tries)
                     throw new TimeoutException($"{NetMQConnection.Tries(tries)} to ask {endpoint}, the last: "
                         + $"{trouble}; "
-                        + (trouble == ThrownOut ? Advice() : "is the server running, or its reply over 64 KB?"));
+                        + (trouble == ThrownOut
+                            ? Advice()
+                            : connection.Cure("is the server running, or its reply over 64 KB?")));
                 report($"{number}: {trouble}; try {attempt + 1} of {tries}");
             }
         }
