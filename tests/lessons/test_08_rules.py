@@ -90,7 +90,7 @@ def test_so_many_pictures_in_a_row_without_an_action_are_given_up(context):
         driver.send(Message("frame", 1))
         assert driver.receive() is None and driver.asked is None
         driver.send(Message("frame", 2))
-        with pytest.raises(GaveUp, match=r"no reply from .* within 0\.1 s; is the server running\?"):
+        with pytest.raises(GaveUp, match=r"no reply from .* within 0\.2 s; is the server running\?"):
             driver.receive()
     assert [line[:15] for line in lines] == ["trouble: no rep"]
 
