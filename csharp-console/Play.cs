@@ -46,8 +46,9 @@ namespace NetMQExample.Terminal
             var types = own == null ? Scripts.Of(lessons, lesson ?? "") : Scripts.Of(own, lessons);
             var fields = types.SelectMany(Inspector.Defaults).ToList();
             // A script that has such a field itself ends by itself then.
-            var untilDone = !arguments.Has("seconds");
-            var limit = fields.Any(field => field.Name == "seconds") ? TimeSpan.FromDays(1) : arguments.Seconds("seconds", 86400);
+            var ends = fields.Any(field => field.Name == "seconds");
+            var untilDone = ends || !arguments.Has("seconds");
+            var limit = ends ? TimeSpan.FromDays(1) : arguments.Seconds("seconds", 86400);
             var settings = All(arguments, "set").Select(Setting).ToList();
             var (clicks, added) = (All(arguments, "click"), All(arguments, "add").Select(Inspector.Component).ToArray());
             settings.AddRange(arguments.TakeTheRest());

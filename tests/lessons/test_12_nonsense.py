@@ -213,8 +213,8 @@ def test_a_game_that_answers_too_late_is_not_filmed_for_ever(films, peer):
 
 def test_what_a_game_could_not_read_is_not_sent(films, game):
     for wrong, why in (
-        ({"fps": float("nan"), "path": None}, "not JSON compliant"),
-        ({"fps": float("inf"), "path": None}, "not JSON compliant"),
+        ({"fps": float("nan"), "path": None}, "is not finite"),
+        ({"fps": float("inf"), "path": None}, "is not finite"),
         ({"view": "x" * 70_000, "path": None}, "too-big"),
         ({"view": "\ud800", "path": None}, "bad-json"),
     ):
