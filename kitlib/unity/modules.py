@@ -26,6 +26,7 @@ TYPES = {
         "SimulationMode",
         "SphereCollider",
     },
+    "com.unity.modules.ui": {"Canvas"},
 }
 
 

@@ -245,9 +245,9 @@ def tracked():
     return [ROOT / name for name in listed.stdout.split("\n") if name and (ROOT / name).exists()]
 
 
-# What is said of another version on purpose: the first that ends on macOS, one that a test makes up, and the version
-# that the assembly NetMQ.dll has in every one of them.
-OTHER_VERSIONS = {"4.0.4.1", "4.0.2-1234", "4.0.0.1"}
+# What is said of another version on purpose: the first that ends on macOS, the lowest that compiles, the version that
+# the assembly NetMQ.dll has in every one of them, and what tests make up or find in projects.
+OTHER_VERSIONS = {"4.0.4.1", "4.0.1.11", "4.0.0.1", "4.0.0-1", "4.0.2-1234", "4.0.1.12", "4.0.1.13", "4.0.2.1"}
 
 
 def test_netmqs_version_is_the_same_wherever_it_is_named():

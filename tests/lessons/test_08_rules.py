@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 import zmq
+import zmq.asyncio
 
 from netmq_example.errors import GaveUp
 
@@ -112,3 +113,8 @@ def test_a_try_that_failed_leaves_no_socket():
         socket = one.socket
         one.fail("no reply")
         assert socket.closed and one.socket is None
+
+
+def test_a_context_of_zmq_asyncio_is_refused_with_the_cure():
+    with zmq.asyncio.Context() as context, pytest.raises(TypeError, match=r"^context is one of zmq.asyncio: take one of"):
+        DriverClient(context, "tcp://127.0.0.1:5558")

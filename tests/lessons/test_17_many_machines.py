@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 import runpy
 import time
@@ -531,7 +532,10 @@ def test_a_hub_that_counts_in_words_is_named(missing, context):
     hub.linger, hub.rcvtimeo = 0, 100_000
     endpoint = f"tcp://127.0.0.1:{hub.bind_to_random_port('tcp://127.0.0.1')}"
     with hub, FleetSocket(endpoint, "CartPole", 1) as trainer:
-        trainer.open()
+        # It joins while it receives, as soon as there is a connection.
+        while not hub.poll(0):
+            with contextlib.suppress(zmq.Again):
+                trainer.recv_multipart()
         peer, *_ = hub.recv_multipart()
         trainer.send_multipart([b"hub", b"begun"])
         hub.send_multipart([peer, *messages.Message("alive", values={"missing": missing}).frames()])

@@ -16,7 +16,7 @@ CASES = {
     "11_observations": ([], "^simulating .* for "),
     "12_video": (["--count", "0"], " can film "),
     "13_side_channels": (["--timeout", "20"], "^[0-9]+: mass "),
-    "14_long_jobs": ([], "^job .*: accepted"),
+    "14_long_jobs": ([], "^job .*: (accepted|[0-9]+ of )"),
     "17_many_machines": ([], "^simulating .* for "),
     "21_talking_character": ([], "^she: "),
 }

@@ -384,7 +384,7 @@ def test_a_notebook_without_a_package_is_told_how_its_own_python_gets_it(package
     lacking = f"import sys; sys.path[:0] = [{str(ROOT / 'python')!r}]; sys.modules[{package!r}] = None; {code}"
     done = finished([PYTHON, "-c", lacking])
     last = done.stderr.splitlines()[-1]
-    assert last.startswith("ImportError: ") and last.endswith(
+    assert last.startswith("ModuleNotFoundError: ") and last.endswith(
         f": {errors.shell(str(PYTHON), '-m', 'pip', 'install', package)}"
     ), done
 

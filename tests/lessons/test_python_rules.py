@@ -7,7 +7,6 @@ import zmq
 import zmq.asyncio
 
 from netmq_example.background_client import BackgroundClient
-from netmq_example.camera.client import DriverClient
 from netmq_example.jobs.client import JobClient
 from netmq_example.lazy_pirate import LazyPirate
 from netmq_example.many_requester import ManyRequester
@@ -79,7 +78,6 @@ def test_what_is_of_zmq_asyncio_is_refused_with_the_cure():
             lambda: LazyPirate(context, WHERE),
             lambda: ManyRequester(context, WHERE),
             lambda: SecureRequester(context, WHERE),
-            lambda: DriverClient(context, WHERE),
             lambda: JobClient(context, WHERE),
             lambda: ClientCarrier(context, WHERE),
             lambda: TopicListener(sub, WHERE, ""),
