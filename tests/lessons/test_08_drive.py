@@ -298,6 +298,7 @@ def test_a_person_takes_over_and_gives_back(kind, driver, start, client_command)
 def test_keys_reach_the_client_that_kit_py_runs(kind, client_command):
     import pty
 
+    pytest.importorskip("PIL", reason="kit.py run 8 needs Pillow: pip install pillow")
     client_command(kind, KEY, "")
     which = ["--client", "python"] if kind == "python" else []
     master, slave = pty.openpty()
