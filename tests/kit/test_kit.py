@@ -27,7 +27,6 @@ from kitlib.commands import test as tests_command
 from kitlib.docs import guide
 from kitlib.lessons import KitError, UsageError
 from kitlib.programs import Result
-from kitlib.setup.dotnet import sdk as dotnet_sdk
 from kitlib.setup import dotnet, python_setup
 from kitlib.unity.inventory import LIBRARIES
 from tests.conftest import PYTHON
@@ -1162,7 +1161,7 @@ def test_what_to_pack_can_be_for_another_system(tmp_path, monkeypatch, start):
     code = program.wait(500)
     assert "Traceback" not in program.output
     if "no .NET SDK" in program.output:
-        assert code == 1 and not dotnet_sdk(), program.output
+        assert code == 1 and not dotnet.sdk(), program.output
         return
     old = start(PYTHON, KIT, "pack", tmp_path, "--python", "3.10")
     assert old.wait() == 2
