@@ -65,10 +65,11 @@ def denied(output: str) -> str:
     return unwritable(Path(found[1])) if found and not WINDOWS else ""
 
 
-def recall(path: Path) -> dict[str, Any]:
-    """What `keep` has kept; a file that is damaged is as good as none."""
+def read_json(path: Path) -> dict[str, Any]:
+    """The object in a file, such as `keep` has written; a file that is damaged is as good as none."""
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
+        # With a byte order mark or without: Windows' editors write one.
+        found = json.loads(path.read_text(encoding="utf-8-sig"))
     except (OSError, ValueError):
         return {}
     return found if isinstance(found, dict) else {}

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from kitlib import lessons
-from kitlib.lessons import KIT, PACKAGE, PACKAGES, ROOT, KitError, denied, keep, recall, unwritable, writable
+from kitlib.lessons import KIT, PACKAGE, PACKAGES, ROOT, KitError, denied, keep, read_json, unwritable, writable
 from kitlib.programs import Result, quietly, step
 from kitlib.setup.lock import locked
 from kitlib.terminal import say
@@ -133,7 +133,7 @@ def find_netmq(ask_again: bool = False) -> NetMQ:
     targets = (ROOT / "Directory.Build.targets").read_text(encoding="utf-8")
     brought = sorted(path.name for path in PACKAGES.glob("*.nupkg"))
     key = hashlib.sha256(json.dumps([settings, targets, brought, sdk()]).encode()).hexdigest()
-    known = recall(memory)
+    known = read_json(memory)
     if known.pop("key", "") == key and not ask_again:
         try:
             return NetMQ(**known)
@@ -205,7 +205,7 @@ def build(
     def fresh() -> bool:
         # An interrupted build of another project may have taken away what all of them refer to.
         there = all((BUILD / "bin" / one / "release" / f"{one}.dll").exists() for one in LIBRARIES)
-        return there and dll.exists() and recall(stamp).get("sources") == now
+        return there and dll.exists() and read_json(stamp).get("sources") == now
 
     if fresh():
         return dll

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from kitlib import imports
-from kitlib.lessons import KIT, PACKAGES, ROOT, KitError, Lesson, denied, keep, recall, unwritable, writable
+from kitlib.lessons import KIT, PACKAGES, ROOT, KitError, Lesson, denied, keep, read_json, unwritable, writable
 from kitlib.programs import Result, quietly, step
 from kitlib.terminal import command, say
 
@@ -180,7 +180,7 @@ def interpreter(*extras: str, optional: tuple[str, ...] = ()) -> Path:
     python = from_pip(required, wanted) or from_this_python(required)
     if python is None:
         raise KitError(nowhere([name(need) for need in required]))
-    keep(CHOICE, json.dumps({**recall(CHOICE), key: str(python)}))
+    keep(CHOICE, json.dumps({**read_json(CHOICE), key: str(python)}))
     return chosen(python)
 
 
@@ -202,7 +202,7 @@ def nowhere(names: list[str]) -> str:
 
 def found(*extras: str) -> Path | None:
     """The interpreter that lessons run with, or would; sets up nothing."""
-    known = [path for path in recall(CHOICE).values() if isinstance(path, str)]
+    known = [path for path in read_json(CHOICE).values() if isinstance(path, str)]
     near = map(Path, [str(venv_python()), *reversed(known), sys.executable])
     return next((chosen(python) for python in near if os.path.exists(python) and has(python, needs(*extras))), None)
 
@@ -214,7 +214,7 @@ def pip_environment() -> list[str]:
 
 def remembered(key: str) -> Path | None:
     """What an earlier run with the same needs has settled on."""
-    python = recall(CHOICE).get(key)
+    python = read_json(CHOICE).get(key)
     return Path(python) if isinstance(python, str) and os.path.exists(python) else None
 
 

@@ -7,9 +7,9 @@ import json
 import re
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from kitlib.lessons import ROOT, KitError
+from kitlib.lessons import ROOT, KitError, read_json
 
 # Where the kit's files go in a project.
 TARGET = "Assets/NetMQExample"
@@ -112,15 +112,6 @@ def dependencies(root: Path) -> dict[str, str]:
     except (ValueError, AttributeError) as error:
         raise KitError(f"{path} is no valid manifest: {error}; correct it, Unity cannot open it either") from None
     return {name: str(version) for name, version in found.items()}
-
-
-def read_json(path: Path) -> dict[str, Any]:
-    """An object; an empty one where there is none."""
-    try:
-        found = json.loads(path.read_text(encoding="utf-8-sig"))
-    except (OSError, ValueError):
-        return {}
-    return found if isinstance(found, dict) else {}
 
 
 def package_folders(root: Path) -> list[Path]:

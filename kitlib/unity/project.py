@@ -7,14 +7,13 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from kitlib.lessons import PACKAGE, KitError
+from kitlib.lessons import PACKAGE, KitError, read_json
 from kitlib.unity.inventory import (
     TARGET,
     dependencies,
     imported,
     package_folders,
     package_name,
-    read_json,
     unity_version,
 )
 

@@ -127,10 +127,12 @@ def following(waiting: Waiting, client: Client) -> str | None:
 
 
 def unpolled(client: Client, warned: bool = False) -> bool:
+    """Whether a reply waits and nobody has called poll yet. A client that was warned counts as polled."""
     here = client()
     if here is None or here.polled or here.done.empty():
         return False
-    here.polled = warned
+    if warned:
+        here.polled = True
     return True
 
 

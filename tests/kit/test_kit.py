@@ -898,7 +898,7 @@ def test_a_damaged_memory_is_as_good_as_none(tmp_path, monkeypatch):
     for damage in (b"", b"\0\0\0", b"[1]", b'{"a": ', b'{"a": 1}', b"\xff\xfe"):
         (tmp_path / "python.json").write_bytes(damage)
         assert python_setup.interpreter() == PYTHON
-        assert PYTHON in map(Path, filter(None, map(str, lessons.recall(tmp_path / "python.json").values())))
+        assert PYTHON in map(Path, filter(None, map(str, lessons.read_json(tmp_path / "python.json").values())))
 
 
 @pytest.mark.parametrize(

@@ -90,7 +90,7 @@ class DriverClient(OneProcess):
         self.lost = 0
 
     @property
-    def patience(self) -> float:
+    def wait_seconds(self) -> float:
         """How many seconds the action may take that is asked for now."""
         return longer(self.timeout, self.lost)
 
@@ -122,7 +122,7 @@ class DriverClient(OneProcess):
             socket.send_multipart(self.unsent)
         except zmq.Again:
             # Nothing will come, and `receive` says so.
-            self.began -= self.patience
+            self.began -= self.wait_seconds
         self.unsent = []
 
     def receive(self, until: float = math.inf) -> Action | None:
@@ -134,13 +134,13 @@ class DriverClient(OneProcess):
             raise ValueError(f"until takes a time of time.monotonic(), not {until!r:.40}")
         if not self.asked or not self.socket:
             raise ValueError("no picture is asked about; send one first")
-        last = self.began + self.patience
+        last = self.began + self.wait_seconds
         try:
             frames = self.wait(self.socket, min(until, last))
             if not frames and time.monotonic() < last:
                 return None
             if not frames:
-                within = f"within {self.patience:g} s"
+                within = f"within {self.wait_seconds:g} s"
                 cure = self.search.cure("is the server running?")
                 raise TimeoutError(f"no reply from {self.endpoint} {within}; {cure}")
             action = read_action(read_reply(frames), self.asked.id)

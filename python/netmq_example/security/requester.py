@@ -90,8 +90,10 @@ class SecureRequester(OneProcess):
             self.close_socket()
             if attempt < self.tries:
                 self.report(f"{self.number}: {trouble}; try {attempt + 1} of {self.tries}")
-        advice = self.search.cure("is the server running, or its reply over 64 KB?")
-        cure = self._advice() if trouble == THROWN_OUT else advice
+        if trouble == THROWN_OUT:
+            cure = self._advice()
+        else:
+            cure = self.search.cure("is the server running, or its reply over 64 KB?")
         raise TimeoutError(f"{tried(self.tries)} to ask {self.endpoint}, the last: {trouble}; {cure}")
 
     def close(self) -> None:

@@ -72,7 +72,7 @@ namespace NetMQExample
                 {
                     why = e.Message;
                     // It does not ask again at once after a refusal.
-                    stop.WaitHandle.WaitOne(timeout < Try ? timeout : Try / 5);
+                    stop.WaitHandle.WaitOne(timeout < Try / 5 ? timeout : Try / 5);
                 }
                 finally
                 {

@@ -132,9 +132,9 @@ namespace NetMQExample
                     silent = 0;
                     since.Restart();
                 }
-                var patience = NetMQConnection.Longer(timeout, silent);
-                if (since.Elapsed < patience) continue;
-                var limit = FormattableString.Invariant($"{patience.TotalSeconds} s");
+                var wait = NetMQConnection.Longer(timeout, silent);
+                if (since.Elapsed < wait) continue;
+                var limit = FormattableString.Invariant($"{wait.TotalSeconds} s");
                 silent++;
                 if (silent == tries)
                     throw new TimeoutException($"no word of it from {endpoint} in {NetMQConnection.Tries(tries)} of "

@@ -26,7 +26,8 @@ namespace NetMQExample
         private readonly Stopwatch asked = new Stopwatch();
         // More than any answer. A longer datagram is cut off, or refused.
         private readonly byte[] heard = new byte[100];
-        private readonly string name, question, answer;
+        private readonly string name, answer;
+        private readonly byte[] question;
         private readonly int port;
         // Who is still to be asked, and who was.
         private readonly HashSet<string> reached = new HashSet<string>();
@@ -42,7 +43,7 @@ namespace NetMQExample
             var parts = endpoint.Split('/', ':');
             name = parts[3];
             port = int.Parse(parts[4]);
-            question = $"NMQX2 {name}?";
+            question = Encoding.ASCII.GetBytes($"NMQX2 {name}?");
             answer = $"NMQX2 {name}!";
         }
 
@@ -115,14 +116,13 @@ namespace NetMQExample
 
         private void Ask()
         {
-            var bytes = Encoding.ASCII.GetBytes(question);
             var done = 0;
             // Where the system has no room for more, it takes them a moment later.
             for (; done < unasked.Count && ear.Poll(0, SelectMode.SelectWrite); done++)
             {
                 try
                 {
-                    ear.SendTo(bytes, new IPEndPoint(IPAddress.Parse(unasked[done]), port));
+                    ear.SendTo(question, new IPEndPoint(IPAddress.Parse(unasked[done]), port));
                     reached.Add(unasked[done]);
                 }
                 catch (SocketException) { /* Where one of them cannot be asked, others can. */ }
