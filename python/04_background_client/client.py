@@ -14,7 +14,7 @@ from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 from netmq_example.background_client import BackgroundClient
-from netmq_example.errors import GaveUp
+from netmq_example.errors import Error
 from netmq_example.program import at_least_one, client_options, printable, run, whole
 
 
@@ -42,7 +42,7 @@ def play(client: BackgroundClient, text: str, count: int, naive: bool) -> None:
         frame_seconds.append(time.monotonic() - began)
     print(f"frames: {len(frame_seconds)}, the longest took {max(frame_seconds, default=0) * 1000:.0f} ms")
     if errors:
-        raise GaveUp(errors[0])
+        raise Error(errors[0])
     print(f"done: {len(replies)} replies")
 
 

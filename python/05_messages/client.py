@@ -12,8 +12,8 @@ from pathlib import Path
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.errors import GaveUp
-from netmq_example.messages import LIMIT, Array, Message, MessageError, read_reply
+from netmq_example.errors import Refused
+from netmq_example.messages import LIMIT, Array, Message
 from netmq_example.program import Socket, client_options, connected, printable, receive, run, whole
 
 
@@ -30,9 +30,9 @@ def request(socket: Socket, frames: list[bytes], timeout: float) -> Message:
     """Send a message and wait for its reply, at most `timeout` seconds: zmq.Again after that."""
     socket.send_multipart(frames, copy=False)
     try:
-        return read_reply(receive(socket, timeout))
-    except MessageError as error:
-        raise GaveUp(f"{printable(error.code)}: {printable(error.text)}") from None
+        return Message.read_reply(receive(socket, timeout))
+    except Refused as error:
+        raise Refused(printable(error.code), printable(error.text), error.id) from None
 
 
 def main() -> None:

@@ -17,7 +17,7 @@ from pathlib import Path
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.messages import LIMIT, Array, Message, MessageError, reply_to
+from netmq_example.messages import LIMIT, Array, Message, MessageError, message_reply
 from netmq_example.program import few_answers_wait, listening, receive_frames, run, server_options
 
 
@@ -45,7 +45,7 @@ def main() -> None:
         while True:
             # A JSON header, then the arrays. Without a copy: they stay where ZeroMQ has received them.
             header, *arrays = receive_frames(socket)
-            _, reply, frames = reply_to(answer, [header, *arrays])
+            _, reply, frames = message_reply(answer, [header, *arrays])
             socket.send_multipart(frames, copy=False)
             if not (options.quiet or reply.kind == "error"):
                 print(f"sent {frames[0]!r:.80}", flush=True)

@@ -14,7 +14,7 @@ from pathlib import Path
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.errors import GaveUp
+from netmq_example.errors import Error
 from netmq_example.many_requester import ManyRequester
 from netmq_example.program import at_least_one, client_options, printable, run, show, whole
 
@@ -43,7 +43,7 @@ def main() -> None:
                 print(f"{number}: sent {printable(texts[(number - 1) % len(texts)])}, {outcome}", flush=True)
     print(f"done: {options.count - failures} replies", flush=True)
     if failures:
-        raise GaveUp(f"{failures} of {options.count} requests to {options.endpoint} have no reply; see above")
+        raise Error(f"{failures} of {options.count} requests to {options.endpoint} have no reply; see above")
 
 
 if __name__ == "__main__":

@@ -23,7 +23,7 @@ with importing("numpy and Pillow: pip install numpy pillow, or let kit.py run 8 
     from driver import follow_road, main_camera
 
     from netmq_example.camera.pictures import encode, pictures
-    from netmq_example.messages import LIMIT, Message, reply_to
+    from netmq_example.messages import LIMIT, Message, message_reply
 
 
 def answer(frame: Message) -> Message:
@@ -56,7 +56,7 @@ def main() -> None:
         while True:
             # The socket waits in slices: on Windows Ctrl-C does not interrupt a longer wait.
             with contextlib.suppress(zmq.Again):
-                frame, action, parts = reply_to(answer, unity.recv_multipart(copy=False))
+                frame, action, parts = message_reply(answer, unity.recv_multipart(copy=False))
                 unity.send_multipart(parts)
                 if action.kind == "action":
                     lerobot.send_string(published(frame))

@@ -30,7 +30,7 @@ with importing("numpy: pip install numpy, or let kit.py run 8 do it"):
 
     from netmq_example.camera.pictures import pictures
     from netmq_example.camera.recording import Recorder
-    from netmq_example.messages import LIMIT, Message, reply_to
+    from netmq_example.messages import LIMIT, Message, message_reply
 
 
 def drive(pictures: dict[str, Any], telemetry: dict[str, Any]) -> Any:
@@ -56,7 +56,7 @@ def main() -> None:
     with listening(zmq.REP, options, largest=4 * LIMIT) as socket:
         while True:
             request = receive_frames(socket)
-            frame, action, parts = reply_to(functools.partial(answer, options.model), request, "error-in-driver")
+            frame, action, parts = message_reply(functools.partial(answer, options.model), request, "error-in-driver")
             # Even a sleep of 0 takes as long as the whole reply.
             if options.delay:
                 time.sleep(options.delay)

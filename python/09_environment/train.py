@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
-from netmq_example.errors import GaveUp
+from netmq_example.errors import Error
 from netmq_example.program import importing, run, server_endpoint, whole
 
 with importing("gymnasium; pip install gymnasium, or let kit.py run 9 do it", stopped="stopped"):
@@ -56,9 +56,9 @@ def main() -> None:
         if options.plot:
             learning_curve.plot(means, GOAL, STEPS, options.plot)
     except (OSError, MessageError, ValueError) as error:
-        raise GaveUp(str(error)) from None
+        raise Error(str(error)) from None
     if max(means, default=0) < GOAL:
-        raise GaveUp(f"no generation reached {GOAL} of {STEPS}; try another --seed, or more --generations")
+        raise Error(f"no generation reached {GOAL} of {STEPS}; try another --seed, or more --generations")
 
 
 if __name__ == "__main__":

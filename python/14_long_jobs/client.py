@@ -14,7 +14,7 @@ from pathlib import Path
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.errors import GaveUp
+from netmq_example.errors import Error
 from netmq_example.jobs.client import JobClient, job_id
 from netmq_example.jobs.progress import Progress, share, words
 from netmq_example.messages import Message
@@ -55,7 +55,7 @@ def main() -> None:
         if options.forget and result:
             follow(client, client.ask("forget"))
     if result and result.values["status"] == "aborted":
-        raise GaveUp("the job was aborted; see above")
+        raise Error("the job was aborted; see above")
     if result:
         finished = bytes(result.arrays[0].data) if result.arrays else b""
         print(f"done: {printable(result.values['status'])}, {len(finished)} bytes, sum {sum(finished)}")

@@ -1,76 +1,173 @@
-"""A client for a game: it asks on a thread of its own, so that no frame ever waits.
+"""A client that never makes its caller wait: it asks on a thread of its own. For games, for threads and for asyncio.
 
-    client = BackgroundClient("tcp://127.0.0.1:5554")     once
-    client.request("hello", print, print)                 whenever you like, on any thread: for reply and error
-    client.poll()                                         once a frame: the callbacks run here
-    client.close()                                        at the end
+    with BackgroundClient("tcp://127.0.0.1:5554") as client:
+        client.request("hello", print, print)             a game, whenever it likes: callbacks for reply and error
+        client.poll()                                     once a frame: the callbacks run here
 
-The thread has a LazyPirate, whose bytes and retries are in lazy_pirate.py. In C# it is BackgroundClient.cs.
+        future = client.submit("hello")                   any thread: a concurrent.futures.Future
+        reply = await client.ask("hello")                 any loop of asyncio
+
+Each of its threads has a LazyPirate, whose bytes and retries are in lazy_pirate.py. In C# it is BackgroundClient.cs.
 """
 
+import asyncio
 import contextlib
 import functools
+import itertools
 import logging
+import math
 import queue
 import threading
+import time
 import weakref
-from collections import deque
 from collections.abc import Callable
-
-import zmq
+from concurrent.futures import Future
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import NamedTuple
 
 from netmq_example import check
+from netmq_example.errors import Closed, Refused, Timeout
 from netmq_example.finalizers import finalizer
-from netmq_example.lazy_pirate import LazyPirate
+from netmq_example.former import positional
+from netmq_example.lazy_pirate import Keys, LazyPirate, sendable
 from netmq_example.one_process import OneProcess
 from netmq_example.program import Context
 
 Callback = Callable[[str], object]
-Waiting = queue.SimpleQueue[str | None]
+MOST_CONNECTIONS = 256
+
+log = logging.getLogger("netmq_example.client")
+
+
+class ClientState(StrEnum):
+    """Only a reply proves that the server is there."""
+
+    CONNECTING = "Connecting"
+    CONNECTED = "Connected"
+    RETRYING = "Retrying"
+    LOST = "Lost"
+    DISPOSED = "Disposed"
+
+
+class Status(NamedTuple):
+    """Both of one moment: the state, and the last error's text, which a later reply leaves there."""
+
+    state: ClientState
+    error: str
+
+
+@dataclass(eq=False)
+class Asked:
+    """A request that is under way: until when it may take, by time.monotonic(), and the future that gets its reply."""
+
+    text: str
+    until: float = math.inf
+    future: "Future[str]" = field(default_factory=Future)
+    # Whether a reply that begins with `error:` is an error.
+    refusable: bool = True
+
+
+Waiting = queue.SimpleQueue[Asked | None]
 
 
 class BackgroundClient(OneProcess):
-    """Asks a server without ever making the calling thread wait. Each client has its own thread."""
+    """Asks a server on threads of its own.
 
-    def __init__(self, endpoint: str, timeout: float = 1.0, tries: int = 3, capacity: int = 64) -> None:
-        """`timeout` and `tries` are those of LazyPirate; at most `capacity` requests are under way."""
+    request(), submit() and ask() may be called on any thread. The callbacks of request() run in poll(), which one
+    thread calls, and in close().
+    """
+
+    @positional("endpoint", "timeout", "tries", "capacity")
+    def __init__(
+        self,
+        endpoint: str,
+        *,
+        timeout: float = 1.0,
+        tries: int = 3,
+        window: int = 1,
+        capacity: int = 64,
+        keys: Keys | None = None,
+        context: Context | None = None,
+    ) -> None:
+        """`timeout` and `tries` are those of LazyPirate. `window` requests are asked at the same time, each over a
+        connection of its own; the others wait in their order. At most `capacity` of request() are under way.
+        """
         self.capacity = check.count("capacity", capacity)
-        self.context: Context = zmq.Context()
-        # The thread knows its client by this alone: one that is forgotten is not held by it, and ends it.
+        self.window = check.count("window", window, most=MOST_CONNECTIONS)
+        # The threads know their client by this alone: one that is forgotten is not held by them, and ends them.
         client = weakref.ref(self)
-        self.pirate = LazyPirate(self.context, endpoint, timeout, tries, functools.partial(tell, client, "Retrying"))
-        # State and last error, in one variable: a reader never gets those of two moments. Only a reply proves that the
-        # server is there: Connecting, Connected, Retrying, Lost, Disposed.
-        self.status = ("Connecting", "")
-        # Together with what they guard: which text and which callbacks belong together is known by their order alone.
+        words = {"timeout": timeout, "tries": tries, "keys": keys, "context": context}
+        self.pirates = [LazyPirate(endpoint, **words) for _ in range(self.window)]  # type: ignore[arg-type]
+        for pirate in self.pirates:
+            pirate.report = functools.partial(tell, client, ClientState.RETRYING)
+        self.endpoint = endpoint
+        # In one variable: a reader never gets state and error of two moments.
+        self.status = Status(ClientState.CONNECTING, "")
         self.gate = threading.Lock()
-        # Callbacks, in the order of their requests, in which these end as well. The thread has none of them.
-        self.calls: deque[tuple[Callback, Callback]] = deque()
+        # The callbacks of each request by its number: the threads have none of them.
+        self.calls: dict[int, tuple[Callback, Callback]] = {}
+        self.numbers = itertools.count()
+        # Those that ended: the number, which of the two callbacks, 0 the reply, 1 the error, and its text.
+        self.done: queue.SimpleQueue[tuple[int, int, str]] = queue.SimpleQueue()
         self.waiting: Waiting = queue.SimpleQueue()
-        # Which of the two callbacks gets a text: 0 the reply, 1 the error.
-        self.done: queue.SimpleQueue[tuple[int, str]] = queue.SimpleQueue()
         self.polled = False
-        self.end = finalizer(self, end, self.pirate, self.waiting)
+        self.end = finalizer(self, end, self.pirates, self.waiting)
         self.end.atexit = False
-        words = (self.context, self.pirate, self.waiting, client)
-        self.thread = threading.Thread(target=talk, args=words, daemon=True)
-        self.thread.start()
+        self.threads = [
+            threading.Thread(target=talk, args=(pirate, self.waiting, client), name=f"{self!r} {number}", daemon=True)
+            for number, pirate in enumerate(self.pirates, 1)
+        ]
+        for thread in self.threads:
+            thread.start()
 
     def request(self, text: str, reply: Callback, error: Callback) -> bool:
-        """Have one of the callbacks run in a later poll(). False if refused, because it is full or closed."""
+        """Have one of the callbacks run in a later poll(). False if refused, because it is full or closed.
+
+        Each callback gets a text. A reply that begins with `error:` is a reply, too.
+        """
         self.check_process()
-        check.instance("text", text, str)
+        asked = Asked(check.instance("text", text, str), refusable=False)
         call = (check.function("reply", reply), check.function("error", error))
         with self.gate:
-            if self.pirate.stopped.is_set() or self.under_way == self.capacity:
+            if not self.end.alive or self.under_way >= self.capacity:
                 return False
-            self.calls.append(call)
-            self.waiting.put(text)
+            number = next(self.numbers)
+            self.calls[number] = call
+            asked.future.add_done_callback(functools.partial(hand_over, weakref.ref(self), number))
+            self.waiting.put(asked)
         return True
+
+    def submit(self, text: str, *, within: float | None = None) -> "Future[str]":
+        """The reply as a future, whose cancel() takes the request back until it is sent.
+
+        It raises Refused for a reply that begins with `error:`; Timeout if no try was answered, or not `within` so many
+        seconds from now; Closed if the client was closed before. MessageError: the text is too long.
+        """
+        return self.enqueue(text, within).future
+
+    async def ask(self, text: str, *, within: float | None = None) -> str:
+        """The same on any loop of asyncio. Once its task is cancelled, as asyncio.timeout does it, no try follows."""
+        asked = self.enqueue(text, within)
+        try:
+            return await asyncio.wrap_future(asked.future)
+        except asyncio.CancelledError:
+            asked.until = 0.0
+            raise
+
+    def enqueue(self, text: str, within: float | None) -> Asked:
+        self.check_process()
+        sendable(text)
+        asked = Asked(text, time.monotonic() + (math.inf if within is None else check.seconds("within", within)))
+        with self.gate:
+            if not self.end.alive:
+                raise Closed("this client is closed: make a new one")
+            self.waiting.put(asked)
+        return asked
 
     @property
     def under_way(self) -> int:
-        """Requests whose callback has not run yet."""
+        """Those of request() whose callback has not run yet."""
         return len(self.calls)
 
     def poll(self) -> None:
@@ -82,17 +179,21 @@ class BackgroundClient(OneProcess):
                 # A callback that closed this client, or another thread, has run those after it already.
                 if self.done.empty():
                     break
-                which, text = self.done.get()
-                call = self.calls.popleft()
+                number, which, text = self.done.get()
+                call = self.calls.pop(number)
             call[which](text)
 
     def close(self) -> None:
-        """End the thread. The error callback of every request that has no reply yet runs before this returns."""
+        """End the threads. Whatever has no reply yet ends by Closed, and its callback runs before this returns."""
         # A request on another thread is behind it, and refused, or before it, and ended.
         with self.gate:
             self.end()
-        self.thread.join(5)
-        self.status = ("Disposed", self.status[1])
+        end_by = time.monotonic() + 5
+        for thread in self.threads:
+            # A future's own callback may close the client, on its thread.
+            if thread is not threading.current_thread():
+                thread.join(max(0.0, end_by - time.monotonic()))
+        self.status = Status(ClientState.DISPOSED, self.status.error)
         try:
             self.poll()
         finally:
@@ -104,25 +205,41 @@ class BackgroundClient(OneProcess):
 Client = weakref.ref[BackgroundClient]
 
 
-def talk(context: Context, pirate: LazyPirate, waiting: Waiting, client: Client) -> None:
-    """The network thread. The socket is made, used and closed here."""
-    with context, contextlib.closing(pirate):
-        # Sleeps, which costs nothing, until request() or close() puts something there.
-        for text in iter(functools.partial(following, waiting, client), None):
-            try:
-                tell(client, "Connected", None, (0, pirate.request(text)))
-            # Whatever it is, this thread goes on, and the caller gets to know.
-            except Exception as failure:
-                tell(client, "Lost", str(failure), (1, str(failure)))
+def talk(pirate: LazyPirate, waiting: Waiting, client: Client) -> None:
+    """A network thread. The socket is made, used and closed here."""
+    with pirate:
+        # It sleeps, which costs nothing, until there is something.
+        while asked := following(waiting, client):
+            # One that was taken back meanwhile is not sent.
+            if asked.future.set_running_or_notify_cancel():
+                ask(pirate, asked, client)
 
 
-def following(waiting: Waiting, client: Client) -> str | None:
+def ask(pirate: LazyPirate, asked: Asked, client: Client) -> None:
+    try:
+        if asked.until <= time.monotonic() and not pirate.stopped.is_set():
+            raise Timeout(f"not sent to {pirate.endpoint} in time: the requests before it took too long")
+        reply = pirate.request_until(asked.text, lambda: asked.until)
+    # Whatever it is, this thread goes on, and the caller gets to know.
+    except Exception as failure:
+        # Of one that nobody waits for any more, nothing is to be told.
+        if asked.until:
+            tell(client, ClientState.LOST, str(failure))
+        asked.future.set_exception(failure)
+    else:
+        tell(client, ClientState.CONNECTED)
+        if asked.refusable and reply.startswith("error:"):
+            asked.future.set_exception(Refused("error", reply.removeprefix("error:").strip()))
+        else:
+            asked.future.set_result(reply)
+
+
+def following(waiting: Waiting, client: Client) -> Asked | None:
     """The next request. If nobody has fetched the first reply for a second, one warning says how."""
     with contextlib.suppress(queue.Empty):
         return waiting.get(timeout=1 if unpolled(client) else None)
     if unpolled(client, warned=True):
-        words = "BackgroundClient: a reply waits, and nobody has called poll: callbacks run only in there"
-        logging.getLogger("netmq_example").warning(words)
+        log.warning("BackgroundClient: a reply waits, and nobody has called poll: callbacks run only in there")
     return waiting.get()
 
 
@@ -136,14 +253,21 @@ def unpolled(client: Client, warned: bool = False) -> bool:
     return True
 
 
-def tell(client: Client, state: str, trouble: str | None, done: tuple[int, str] | None = None) -> None:
+def tell(client: Client, state: ClientState, trouble: str | None = None) -> None:
     here = client()
     if here:
-        here.status = (state, here.status[1] if trouble is None else trouble)
-        if done:
-            here.done.put(done)
+        here.status = Status(state, here.status.error if trouble is None else trouble)
 
 
-def end(pirate: LazyPirate, waiting: Waiting) -> None:
-    pirate.stop()
-    waiting.put(None)
+def hand_over(client: Client, number: int, future: "Future[str]") -> None:
+    """Which callback runs in the next poll(), and its text."""
+    here = client()
+    if here:
+        failure = future.exception()
+        here.done.put((number, 0, future.result()) if failure is None else (number, 1, str(failure)))
+
+
+def end(pirates: list[LazyPirate], waiting: Waiting) -> None:
+    for pirate in pirates:
+        pirate.stop()
+        waiting.put(None)

@@ -84,6 +84,15 @@ def blocking(name: str, value: T, *kinds: Any) -> T:
     return instance(name, value, *kinds)
 
 
+def context(value: Any) -> Any:
+    """The caller's zmq.Context, still open, or pyzmq's own for this process."""
+    import zmq
+
+    if value is None:
+        return zmq.Context.instance()
+    return not_closed("context", blocking("context", value, zmq.Context))
+
+
 def function(name: str, value: T) -> T:
     """Something that can be called."""
     if callable(value):

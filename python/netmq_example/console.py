@@ -1,4 +1,4 @@
-"""Where a server prints to: it goes on whatever becomes of that.
+"""What a program prints, and where to: a server goes on whatever becomes of that.
 
     sys.stdout = unhindered(sys.stdout)
 
@@ -6,10 +6,12 @@ A full disk, a pipe that is closed, and one that nobody reads cost lines, and ne
 """
 
 import io
+import logging
 import os
 import select
 import stat
 import sys
+import traceback
 from typing import Any
 
 
@@ -49,3 +51,31 @@ def unhindered(stream: Any) -> Any:
     lines = io.BufferedWriter(file)
     at_once = stream.line_buffering or stream.write_through
     return io.TextIOWrapper(lines, stream.encoding, stream.errors, line_buffering=at_once)
+
+
+def printable(text: str, most: int = 200) -> str:
+    """What a peer sent, fit for one line of a terminal: no control characters, and so many characters at most."""
+    return "".join(c if c.isprintable() else "?" for c in text[:most]) + ("…" if len(text) > most else "")
+
+
+def show(text: str) -> None:
+    """Print a line at once, also into a pipe, and whatever a peer has put into it."""
+    # In one piece with its end: another thread may print as well.
+    print(f"{printable(text, most=1000)}\n", end="", flush=True)
+
+
+class LogLines(logging.Handler):
+    """What the package logs, as a program's own lines; a mistake in the user's code with its traceback."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        if record.exc_info:
+            print("".join(traceback.format_exception(record.exc_info[1])), end="", file=sys.stderr, flush=True)
+        else:
+            show(record.getMessage())
+
+
+def log_lines() -> None:
+    """For a program: the package itself sets no handler, and prints nothing."""
+    log = logging.getLogger("netmq_example")
+    log.handlers = [each for each in log.handlers if not isinstance(each, LogLines)] + [LogLines()]
+    log.setLevel(logging.INFO)

@@ -1,12 +1,63 @@
-"""What is raised when something will not be done, though nobody waited too long for it: that is a TimeoutError."""
+"""What the kit raises about the other side or the network. A wrong argument stays a ValueError or a TypeError.
+
+    Error
+      Timeout         is a TimeoutError       nothing came in time; it may have been done
+      Refused         code, text, id          the other side answered with an error
+      MessageError    is a ValueError         bytes, or a Message, that break the standard on this side
+      Closed                                  closed meanwhile, by this program
+      Lost            is a ConnectionError    the other side was there and is gone
+      ListenError     is an OSError           a server cannot have its port
+
+All of them can be pickled. A program that ends by one prints its text, and its exit code is 1.
+"""
 
 import shlex
 import subprocess
 import sys
+from typing import Any
 
 
-class GaveUp(Exception):
-    """It was refused or aborted, and the text says by whom and why. A program prints it and ends with code 1."""
+class Error(Exception):
+    """What the kit raises about the other side or the network; its text names cause and cure."""
+
+
+class Timeout(Error, TimeoutError):
+    """Nothing came in time. What was asked may have been done or not."""
+
+
+class Closed(Error):
+    """This program closed or stopped it meanwhile."""
+
+
+class Lost(Error, ConnectionError):
+    """The other side was there and is gone."""
+
+
+class ListenError(Error, OSError):
+    """A server cannot listen where it should: most often another one has the port."""
+
+    # An OSError's own text begins with its number.
+    def __str__(self) -> str:
+        return str(self.strerror)
+
+
+class Coded(Error):
+    """An error with a code for programs, a text for people, and the id of a message, 0 where it has none."""
+
+    def __init__(self, code: str, text: str = "", id: int | str = 0) -> None:
+        if not text:
+            # Pickle and AsyncVectorEnv, which bring an error from another process, have one argument for it.
+            code, _, text = str(code).partition(": ")
+        super().__init__(f"{code}: {text}" if text else code)
+        self.code, self.text, self.id = code, text, id
+
+
+class Refused(Coded):
+    """The other side answered with an error: its `code`, its `text`, and the `id` of the request."""
+
+
+class MessageError(Coded, ValueError):
+    """Bytes or a Message that break the standard: a `code`, a `text`, and the message's `id` where it has one."""
 
 
 def tried(count: int) -> str:
@@ -30,3 +81,11 @@ def pip_install(*words: str) -> str:
 def shell(*words: str) -> str:
     """A command as this system's shell takes it."""
     return subprocess.list2cmdline(words) if sys.platform == "win32" else shlex.join(words)
+
+
+def __getattr__(name: str) -> Any:
+    if name == "GaveUp":
+        from netmq_example.former import renamed
+
+        return renamed(f"{__name__}.GaveUp", "netmq_example.Error", Error)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,22 +1,26 @@
 """A client that asks again until it is answered: the lazy pirate of ZeroMQ's guide, https://zguide.zeromq.org.
 
-    with zmq.Context() as context, contextlib.closing(LazyPirate(context, "tcp://127.0.0.1:5552")) as pirate:
+    with LazyPirate("tcp://127.0.0.1:5552") as pirate:
         print(pirate.request("add 1"))
 
 Bytes: UTF-8 text, two frames each way, [id][text], at most 65,536 bytes each. Every retry of a request carries the same
 id, by which the server knows what it has done already (journal.py). In C# it is LazyPirateRequester.cs.
 """
 
+import logging
+import math
 import threading
 import time
 import uuid
 from collections.abc import Callable
+from typing import Protocol
 
 import zmq
 
 from netmq_example import check
-from netmq_example.beacon import BeaconSearch
-from netmq_example.errors import GaveUp, longer, tried
+from netmq_example.beacon import LOOK_UP_SECONDS, BeaconSearch
+from netmq_example.errors import Closed, MessageError, Timeout, longer, tried
+from netmq_example.former import positional
 from netmq_example.one_process import OneProcess, one_at_a_time
 from netmq_example.program import Context, Socket, encoded, limit, printable, text_of
 
@@ -25,49 +29,68 @@ SLICE_MS = 50
 # Before a request is sent again after a wrong reply: without it, 5 tries are over in a millisecond.
 PAUSE_SECONDS = 0.25
 
+log = logging.getLogger("netmq_example.client")
+
+
+class Keys(Protocol):
+    """ClientKeys of netmq_example.security: they prove to a server who asks."""
+
+    def apply(self, socket: Socket) -> None: ...
+
 
 class LazyPirate(OneProcess):
-    """Asks over one REQ socket at a time. Use it on one thread; only stop() may be called on any."""
+    """Asks over one REQ socket at a time, on any thread, but on one at a time; stop() at any time."""
 
+    @positional("context", "endpoint", "timeout", "tries", "report")
     def __init__(
         self,
-        context: Context,
         endpoint: str,
+        *,
         timeout: float = 0.5,
         tries: int = 5,
-        report: Callable[[str], object] = print,
+        keys: Keys | None = None,
+        context: Context | None = None,
     ) -> None:
         """The first try waits `timeout` seconds for its reply, and each one after it twice as long, up to 8 times.
 
-        `report` is called with a line before each retry.
+        Each retry is logged as a warning. Without a context it takes pyzmq's own, zmq.Context.instance().
         """
-        self.context = check.not_closed("context", check.blocking("context", context, zmq.Context))
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5552", beacon=True)
         self.search = BeaconSearch(endpoint)
         self.timeout = check.seconds("timeout", timeout)
         self.tries = check.count("tries", tries)
-        self.report = check.function("report", report)
+        self.keys = keys
+        self.context = check.context(context)
+        self.report = log.warning
         # An id must never come twice, whoever else asks and however often this program starts: hence the uuid.
         self.name = uuid.uuid4().hex
         self.number = 0
         self.socket: Socket | None = None
         self.stopped = threading.Event()
 
+    def request(self, text: str, *, within: float | None = None) -> str:
+        """The reply, as it came: one that begins with `error:` is a reply, too.
+
+        All tries together take at most `within` seconds. Timeout: no try was answered, but it may be done.
+        MessageError: it is too long. Closed: stop() or close() ended it.
+        """
+        end = time.monotonic() + (math.inf if within is None else check.seconds("within", within))
+        return self.request_until(text, lambda: end)
+
     @one_at_a_time
-    def request(self, text: str) -> str:
-        """The reply. TimeoutError: no try was answered, but it may be done. GaveUp: it is too long, or was stopped."""
+    def request_until(self, text: str, until: Callable[[], float]) -> str:
+        """The same until a time of time.monotonic() that may come nearer meanwhile."""
+        began = time.monotonic()
         if not self.stopped.is_set():
             check.not_closed("context", self.context)
         self.number += 1
-        try:
-            request = [f"{self.number}-{self.name}".encode(), encoded(check.instance("text", text, str))]
-        except ValueError as error:
-            raise GaveUp(str(error)) from None
+        request = [f"{self.number}-{self.name}".encode(), sendable(text)]
         attempt = 1
         while not self.stopped.is_set():
-            timeout = longer(self.timeout, attempt - 1)
-            frames = self.exchange(request, timeout)
+            timeout = max(0.0, min(longer(self.timeout, attempt - 1), until() - time.monotonic()))
+            frames = self.exchange(request, timeout, until)
             if is_reply(frames, request):
+                log.debug("%s: %s", self.endpoint, frames)
                 return text_of(frames[1])
             if self.stopped.is_set():
                 break
@@ -75,17 +98,20 @@ class LazyPirate(OneProcess):
             if frames:
                 seen = printable(" ".join(map(text_of, frames)))
                 trouble = f"dropped a reply to another request ({seen})"
-            if attempt == self.tries:
-                cure = self.search.cure("is the right server running, the line slow, or the reply over 64 KB?")
-                raise TimeoutError(
-                    f"{tried(self.tries)} to ask {self.endpoint}, the last: {trouble}; "
+            if attempt == self.tries or time.monotonic() >= until():
+                cure = "is the right server running, the line slow, or the reply over 64 KB?"
+                # To look up a name takes its time, which is none of whoever waits for less.
+                if self.search.name or until() - began >= LOOK_UP_SECONDS:
+                    cure = self.search.cure(cure)
+                raise Timeout(
+                    f"{tried(attempt)} to ask {self.endpoint}, the last: {trouble}; "
                     f"{cure} '{text}' may have been done or not"
                 )
             attempt += 1
             self.report(f"{self.number}: {trouble}; try {attempt} of {self.tries}")
-        raise GaveUp("the client was disposed")
+        raise Closed("the client was closed")
 
-    def exchange(self, request: list[bytes], timeout: float) -> list[bytes]:
+    def exchange(self, request: list[bytes], timeout: float, until: Callable[[], float]) -> list[bytes]:
         """One try: the frames that came back, if any."""
         end = time.monotonic() + timeout
         frames: list[bytes] = []
@@ -95,7 +121,7 @@ class LazyPirate(OneProcess):
             socket.send_multipart(request, zmq.NOBLOCK)
             left = timeout
             while left > 0 and not self.stopped.is_set() and not socket.poll(min(SLICE_MS, int(left * 1000) + 1)):
-                left = end - time.monotonic()
+                left = min(end, until()) - time.monotonic()
             frames = socket.recv_multipart(zmq.NOBLOCK)
         except zmq.Again:
             pass
@@ -115,6 +141,8 @@ class LazyPirate(OneProcess):
                     raise zmq.Again
             self.socket = self.context.socket(zmq.REQ)
             limit(self.socket)
+            if self.keys:
+                self.keys.apply(self.socket)
             self.socket.connect(where)
         return self.socket
 
@@ -124,13 +152,22 @@ class LazyPirate(OneProcess):
         self.socket = None
 
     def stop(self) -> None:
-        """End the request under way, and every later one, by GaveUp."""
+        """On any thread: end the request under way, and every later one, by Closed."""
         self.stopped.set()
 
     def close(self) -> None:
+        """Close the socket, on the thread that asks. Twice is once."""
         self.stop()
         self.close_socket()
         self.search.close()
+
+
+def sendable(text: str) -> bytes:
+    """A request in UTF-8. MessageError: it is too long."""
+    try:
+        return encoded(text)
+    except ValueError as error:
+        raise MessageError("too-big", str(error)) from None
 
 
 def is_reply(frames: list[bytes], request: list[bytes]) -> bool:

@@ -2,7 +2,7 @@
 
     request = Message("frame", 7, {"bottom_up": True}, [Array("uint8", picture.shape, picture)])
     socket.send_multipart(request.frames())
-    reply = read_reply(socket.recv_multipart(copy=False))       reply.values, reply.arrays[0].numpy()
+    reply = Message.read_reply(socket.recv_multipart(copy=False))       reply.values, reply.arrays[0].numpy()
 
     frame 1     {"kind":"frame","version":1,"id":7,"values":{"bottom_up":true},
                  "arrays":[{"dtype":"uint8","shape":[240,320,3]}]}           JSON, UTF-8, at most 64 KB
@@ -14,12 +14,14 @@ not keep to this is a MessageError. The C# side is Message.cs. It needs only Pyt
 """
 
 import json
+import logging
 import math
-import traceback
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+from netmq_example.errors import Coded, Refused
+from netmq_example.errors import MessageError as MessageError
 from netmq_example.json_text import shallow
 
 VERSION = 1
@@ -36,6 +38,8 @@ DTYPES = {"uint8": 1, "uint16": 2, "int32": 4, "int64": 8, "float32": 4, "float6
 FORMATS = {"uint8": "?", "uint16": "H", "int32": "il", "int64": "lq", "float32": "f", "float64": "d"}
 PLAIN = (str, int, float)
 
+log = logging.getLogger("netmq_example.server")
+
 
 def refuse_constant(name: str) -> None:
     raise ValueError(f"{name} is not JSON")
@@ -45,23 +49,6 @@ def refuse_constant(name: str) -> None:
 DECODER = json.JSONDecoder(parse_constant=refuse_constant)
 # NaN is not JSON. Letters beyond ASCII become \u1234, so that no encoding on the way can spoil them.
 ENCODER = json.JSONEncoder(separators=(",", ":"), allow_nan=False)
-
-
-class MessageError(Exception):
-    """What is wrong with a message: a code for programs, a text for people, and the message's id where it has one."""
-
-    def __init__(self, code: str, text: str = "", id: int = 0) -> None:
-        if not text:
-            # Pickle and AsyncVectorEnv, which bring an error from another process, have one argument for it.
-            code, _, text = str(code).partition(": ")
-        super().__init__(f"{code}: {text}" if text else code)
-        self.code, self.text, self.id = code, text, id
-
-    def reply(self, id: int = 0) -> "Message":
-        """The reply that says so, to the request of this id."""
-        # The reply can be written, whatever is in it.
-        text = str(self.text)[:LONGEST_TEXT].encode(errors="replace").decode()
-        return Message("error", self.id or id, {"code": str(self.code)[:40], "text": text})
 
 
 @dataclass(slots=True)
@@ -91,6 +78,23 @@ class Array:
         if not view.c_contiguous:
             cure = "the data has gaps: numpy.ascontiguousarray makes it whole"
             raise MessageError("bad-shape", f"{self.dtype} {self.shape} is {size} contiguous bytes; {cure}")
+
+    @classmethod
+    def of(cls, numbers: Any) -> "Array":
+        """A numpy array as it is: MessageError, with the cure, for a dtype or a byte order that no message has.
+
+        One with gaps, such as a picture turned over, is copied; of any other the memory itself is sent.
+        """
+        dtype = getattr(numbers, "dtype", None)
+        if dtype is None or not hasattr(numbers, "tobytes"):
+            raise MessageError("wrong-type", f"of takes a numpy array, not {numbers!a:.40}: numpy.asarray makes one")
+        if dtype.name not in DTYPES or not dtype.isnative:
+            cure = f"write array.astype('{dtype.name if dtype.name in DTYPES else 'float32'}')"
+            raise MessageError(
+                "bad-dtype", f"an array of {dtype!s:.40} cannot be sent, only {', '.join(DTYPES)}; {cure}"
+            )
+        data = numbers if numbers.flags.c_contiguous else numbers.tobytes()
+        return cls(dtype.name, tuple(map(int, numbers.shape)), data)
 
     def numpy(self) -> Any:
         """The numbers for numpy, read-only: in the very memory that ZeroMQ received them in, which may be needed."""
@@ -131,6 +135,14 @@ class Message:
         refuse_too_large(frames)
         return frames
 
+    @staticmethod
+    def refusal(error: Coded, id: int = 0) -> "Message":
+        """The reply that says what is wrong, to the request of this id."""
+        # The reply can be written, whatever is in it.
+        text = str(error.text)[:LONGEST_TEXT].encode(errors="replace").decode()
+        known = error.id if isinstance(error.id, int) else 0
+        return Message("error", known or id, {"code": str(error.code)[:40], "text": text})
+
     def check(self) -> None:
         """MessageError if a reader would refuse it."""
         if not isinstance(self.kind, str) or type(self.id) is not int or not isinstance(self.values, dict):
@@ -146,25 +158,34 @@ class Message:
             if not abs(value) < (math.inf if isinstance(value, float) else EXACT):
                 raise MessageError("bad-value", f"value {name!a:.40} is not finite, or too large to be exact")
 
+    @staticmethod
+    def read(frames: list[Any]) -> "Message":
+        """The message in these frames, whose payloads are not copied; MessageError says what is wrong with them."""
+        if not frames:
+            raise MessageError("bad-frames", "a message has at least one frame, its header")
+        refuse_too_large(frames)
+        try:
+            text = bytes(frames[0]).decode()
+            header = DECODER.decode(shallow(text))
+        except ValueError as error:
+            raise MessageError("bad-json", f"the header is not JSON in UTF-8: {error!s:.80}") from None
+        refuse_half_characters(text, header)
+        try:
+            return read_fields(header, frames[1:])
+        except MessageError as error:
+            id = header.get("id") if type(header) is dict else None
+            if type(id) is int and 0 <= id < EXACT:
+                error.id = id
+            raise
 
-def read(frames: list[Any]) -> Message:
-    """The message in the frames that were received, whose payloads are not copied; MessageError says what is wrong."""
-    if not frames:
-        raise MessageError("bad-frames", "a message has at least one frame, its header")
-    refuse_too_large(frames)
-    try:
-        text = bytes(frames[0]).decode()
-        header = DECODER.decode(shallow(text))
-    except ValueError as error:
-        raise MessageError("bad-json", f"the header is not JSON in UTF-8: {error!s:.80}") from None
-    refuse_half_characters(text, header)
-    try:
-        return read_fields(header, frames[1:])
-    except MessageError as error:
-        id = header.get("id") if type(header) is dict else None
-        if type(id) is int and 0 <= id < EXACT:
-            error.id = id
-        raise
+    @staticmethod
+    def read_reply(frames: list[Any]) -> "Message":
+        """The same for a reply: one of kind `error` is raised as Refused, with its code, its text and its id."""
+        reply = Message.read(frames)
+        if reply.kind == "error":
+            code, text = (str(reply.values.get(name, "not said")) for name in ("code", "text"))
+            raise Refused(code, text, reply.id)
+        return reply
 
 
 def refuse_too_large(frames: list[Any]) -> None:
@@ -216,31 +237,22 @@ def take(where: Any, name: str, kind: type) -> Any:
     return where[name]
 
 
-def read_reply(frames: list[Any]) -> Message:
-    """The message in the frames of a reply. One of kind `error` is the MessageError that it tells of."""
-    reply = read(frames)
-    if reply.kind == "error":
-        code, text = (str(reply.values.get(name, "not said")) for name in ("code", "text"))
-        raise MessageError(code, text, reply.id)
-    return reply
-
-
-def reply_to(
+def message_reply(
     answer: Callable[[Message], Message], frames: list[Any], mistake: str = "error-in-answer"
 ) -> tuple[Message, Message, list[Any]]:
     """A request, what `answer` makes of it, and the frames of that. MessageError becomes a reply of kind `error`.
 
-    So does any other mistake in `answer`, with the code `mistake`, and its traceback is printed: it ends no server.
+    So does any other mistake in `answer`, with the code `mistake`, and its traceback is logged: it ends no server.
     """
     request = Message("")
     try:
-        request = read(frames)
+        request = Message.read(frames)
         reply = answer(request)
         # A message that cannot be written is found out here, before a part of it is on its way.
         return request, reply, reply.frames()
-    except MessageError as error:
-        reply = error.reply(request.id)
+    except Coded as error:
+        reply = Message.refusal(error, request.id)
     except Exception as error:
-        traceback.print_exc()
-        reply = MessageError(mistake, repr(error)).reply(request.id)
+        log.error("a mistake in answer", exc_info=error)
+        reply = Message.refusal(MessageError(mistake, repr(error)), request.id)
     return request, reply, reply.frames()

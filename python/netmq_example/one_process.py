@@ -17,6 +17,8 @@ Method = TypeVar("Method", bound=Callable[..., Any])
 
 
 class OneProcess:
+    """With `close()` it is a context manager, too; and what has an `endpoint` shows it."""
+
     process_id: int
     at_work: threading.Lock
 
@@ -29,6 +31,18 @@ class OneProcess:
     def check_process(self) -> None:
         if os.getpid() != self.process_id:
             raise RuntimeError("this was made in another process: make a new one in this process, after the fork")
+
+    def close(self) -> None:
+        """Give back what it has. Twice is once."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({getattr(self, 'endpoint', '')!r})"
 
     def __reduce_ex__(self, protocol: Any) -> NoReturn:
         name = type(self).__name__

@@ -28,8 +28,10 @@ import zmq
 
 from netmq_example import check, interrupts
 from netmq_example.beacon import answering, beacon_name, cure, unknown_host
-from netmq_example.console import unhindered
-from netmq_example.errors import GaveUp
+from netmq_example.console import log_lines, unhindered
+from netmq_example.console import printable as printable
+from netmq_example.console import show as show
+from netmq_example.errors import Error, ListenError, Timeout
 
 Context = zmq.Context[zmq.Socket[bytes]]
 Socket = zmq.Socket[bytes]
@@ -113,25 +115,28 @@ def listening(
         socket.rcvtimeo = SLICE_MS
         if prepare:
             prepare(context, socket)
-        try:
-            socket.bind(endpoint)
-        except zmq.ZMQError as error:
-            cure = "try --endpoint tcp://127.0.0.1:0, which takes a free port"
-            if error.errno == zmq.EADDRINUSE:
-                cure = f"{IN_USE}, or {cure}"
-            # Printed here: in a thread nobody would hear of it.
-            print(f"cannot listen on {endpoint}: {zmq.strerror(error.errno or 0)}; {cure}", file=sys.stderr)
-            sys.exit(1)
-        bound = socket.getsockopt_string(zmq.LAST_ENDPOINT)
+        bound = bind(socket, endpoint, "try --endpoint tcp://127.0.0.1:0, which takes a free port")
         with answering(getattr(options, "beacon", None), bound):
             if word:
                 print(f"{word} on {bound}", flush=True)
             yield socket
 
 
+def bind(socket: Socket, endpoint: str, cure: str = "tcp://127.0.0.1:0 takes a free port") -> str:
+    """Bind it, and say where: port 0 and * have become a free one. ListenError says why it cannot, with the cure."""
+    try:
+        socket.bind(endpoint)
+    except zmq.ZMQError as error:
+        if error.errno == zmq.EADDRINUSE:
+            cure = f"{IN_USE}, or {cure}"
+        why = f"cannot listen on {endpoint}: {zmq.strerror(error.errno or 0)}; {cure}"
+        raise ListenError(error.errno, why) from None
+    return socket.getsockopt_string(zmq.LAST_ENDPOINT)
+
+
 @contextlib.contextmanager
 def connected(kind: int, options: argparse.Namespace, largest: int = LARGEST_BYTES) -> Iterator[Socket]:
-    """A connected socket of this kind. TimeoutError says that nothing came, or that there was nowhere to send to."""
+    """A connected socket of this kind. Timeout says that nothing came, or that there was nowhere to send to."""
     print(f"asking {options.endpoint}", flush=True)
     with zmq.Context() as context, context.socket(kind) as socket:
         limit(socket, largest)
@@ -142,7 +147,7 @@ def connected(kind: int, options: argparse.Namespace, largest: int = LARGEST_BYT
             yield socket
         except zmq.Again:
             why = cure(options.endpoint, f"is the server running, or its reply over {largest >> 10} KB?")
-            raise TimeoutError(f"no reply from {options.endpoint} within {options.timeout:g} s; {why}") from None
+            raise Timeout(f"no reply from {options.endpoint} within {options.timeout:g} s; {why}") from None
 
 
 def limit(socket: Socket, largest: int = LARGEST_BYTES) -> None:
@@ -210,17 +215,6 @@ def text_of(frame: bytes) -> str:
     with contextlib.suppress(UnicodeDecodeError):
         return frame.decode()
     return f"({len(frame)} bytes)"
-
-
-def printable(text: str, most: int = 200) -> str:
-    """What a peer sent, fit for one line of a terminal: no control characters, and so many characters at most."""
-    return "".join(c if c.isprintable() else "?" for c in text[:most]) + ("…" if len(text) > most else "")
-
-
-def show(text: str) -> None:
-    """Print a line at once, also into a pipe, and whatever a peer has put into it."""
-    # In one piece with its end: another thread may print as well.
-    print(f"{printable(text, most=1000)}\n", end="", flush=True)
 
 
 # The types of options
@@ -318,11 +312,14 @@ def run(main: Callable[[], None], stopped: str | None = None) -> None:
         sys.stdout.reconfigure(encoding="utf-8", errors="replace")
     # SIGTERM, which kill and process managers send, ends a program as Ctrl-C does; on Windows that is SIGBREAK.
     interrupts.listen(signal.SIGINT, getattr(signal, "SIGBREAK", signal.SIGTERM))
+    log_lines()
     try:
         if (files := more_files()) < LEAST_FILES:
             raise OSError(f"it may open {files} files, and needs {LEAST_FILES}: allow more, as by ulimit -n 1024")
         main()
-    except (TimeoutError, GaveUp) as error:
+    except ListenError as error:
+        raise SystemExit(str(error)) from None
+    except (TimeoutError, Error) as error:
         raise SystemExit(f"gave up: {printable(str(error), most=1000)}") from None
     except KeyboardInterrupt:
         raise SystemExit(stopped) from None

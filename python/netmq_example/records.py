@@ -88,7 +88,7 @@ def is_record(frames: list[Any]) -> bool:
 
 def read_frames(kind: int, frames: list[Any]) -> Any:
     """The received Record of this kind, or Message."""
-    return read(kind, frames[0]) if is_record(frames) else messages.read(frames)
+    return read(kind, frames[0]) if is_record(frames) else messages.Message.read(frames)
 
 
 def read(kind: int, frame: Any) -> Record:

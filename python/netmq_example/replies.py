@@ -9,12 +9,14 @@ A mistake ends no server: `error: …` is the reply.
 
 import functools
 import json
+import logging
 import traceback
 from collections.abc import Callable
 from typing import Any
 
+from netmq_example.console import printable
 from netmq_example.json_text import shallow
-from netmq_example.program import encoded, printable, show, text_of
+from netmq_example.program import encoded, text_of
 from netmq_example.trouble import Trouble
 
 
@@ -36,12 +38,13 @@ def sendable(text: str) -> bytes:
         raise Misfit(f"answer returned what cannot be sent: {error}") from None
 
 
+log = logging.getLogger("netmq_example.server")
 # Each mistake that was made, by its place in the code. Each has its own line a second.
 again: dict[tuple[object, ...], Trouble] = {}
 
 
 def told(error: Exception) -> str:
-    """The reply to a request that an exception has ended, which is also printed.
+    """The reply to a request that an exception has ended, which is also logged.
 
     With its traceback the first time; then it is a line a second at most, since a client may go on asking.
     """
@@ -49,10 +52,10 @@ def told(error: Exception) -> str:
     # Two servers of one program may fail in the same place, and come there on different ways.
     mistake = (type(error), *places[:4], places[-1])
     first = mistake not in again
-    report = again.setdefault(mistake, Trouble(show))
+    report = again.setdefault(mistake, Trouble(log.error))
     text = str(error) if isinstance(error, Misfit) else repr(error)
     if first and not isinstance(error, Misfit):
-        traceback.print_exc()
+        log.error("a mistake in answer", exc_info=error)
     else:
         report(text)
     return f"error: {printable(text, LONGEST_MISTAKE)}"
@@ -83,7 +86,7 @@ def json_answer(answer: Callable[[dict[str, Any]], dict[str, Any]]) -> Callable[
     """Write @json_answer above `answer(state: dict) -> dict`: both are JSON objects on the wire.
 
     A request that is none or lacks a key, and a result that cannot be written as one, are a Misfit, which reply_to
-    answers with `error: …`. The server prints the reason too, a line a second at most.
+    answers with `error: …`. The server logs the reason too, a line a second at most.
     """
     return functools.wraps(answer)(lambda text: write(answer(read(text))))
 

@@ -29,7 +29,7 @@ each_client = pytest.mark.parametrize("kind", CLIENTS)
 
 def asked(context, endpoint, frames):
     """The reply to one request on a new socket."""
-    return messages.read(ask(context, endpoint, *frames))
+    return messages.Message.read(ask(context, endpoint, *frames))
 
 
 def serves_on(context, endpoint):
@@ -71,7 +71,7 @@ def test_ten_pictures(serve, runs):
 
 
 def meant(entry):
-    """The message that a golden entry stands for, made without messages.read."""
+    """The message that a golden entry stands for, made without messages.Message.read."""
     means = entry["means"]
     arrays = [
         Array(a["dtype"], tuple(a["shape"]), struct.pack(f"<{len(a['items'])}{ITEMS[a['dtype']]}", *a["items"]))
@@ -87,23 +87,23 @@ def same(one, other):
 
 def test_python_reads_and_writes_the_golden_bytes():
     for entry in GOLDEN["good"]:
-        assert same(messages.read(unpacked(entry)), meant(entry)), entry["name"]
+        assert same(messages.Message.read(unpacked(entry)), meant(entry)), entry["name"]
         assert not entry["written"] or meant(entry).frames() == unpacked(entry), entry["name"]
 
 
 def test_python_refuses_the_bad_ones():
     for entry in GOLDEN["bad"]:
         with pytest.raises(MessageError) as refusal:
-            messages.read(unpacked(entry))
+            messages.Message.read(unpacked(entry))
         assert refusal.value.code == entry["code"], entry["name"]
         assert len(refusal.value.text) < 300
 
 
 def test_all_arrays_together_have_a_limit():
     message = picture((messages.LIMIT,), kind="echo")
-    assert messages.read(message.frames()) == message
+    assert messages.Message.read(message.frames()) == message
     message.arrays.append(Array("uint8", (1,), b"x"))
-    for attempt in (message.frames, lambda: messages.read(unchecked(message))):
+    for attempt in (message.frames, lambda: messages.Message.read(unchecked(message))):
         with pytest.raises(MessageError, match="too-big: "):
             attempt()
 
@@ -131,7 +131,7 @@ def test_csharp_reads_and_writes_the_golden_bytes(messages_program):
     for entry, (word, frames) in zip(good, answers, strict=False):
         assert word == "ok", entry["name"]
         # Python's reader is checked by itself above; here it says what the C# side has understood.
-        assert same(messages.read(frames), meant(entry)), entry["name"]
+        assert same(messages.Message.read(frames), meant(entry)), entry["name"]
         assert not entry["written"] or frames == unpacked(entry), entry["name"]
 
 
@@ -193,7 +193,7 @@ def test_a_message_shows_no_pixels():
 
 def test_the_error_of_a_reply_says_whose_it_is():
     with pytest.raises(MessageError) as refusal:
-        messages.read_reply(MessageError("no", "such kind").reply(7).frames())
+        messages.Message.read_reply(Message.refusal(MessageError("no", "such kind"), 7).frames())
     assert (refusal.value.code, refusal.value.text, refusal.value.id) == ("no", "such kind", 7)
 
 
@@ -217,7 +217,7 @@ def test_arrays_are_not_copied(context):
         left.send_multipart(picture((240, 320, 3)).frames())
         assert right.poll(100_000)
         received = right.recv_multipart(copy=False)
-    message = messages.read(received)
+    message = messages.Message.read(received)
     found = message.arrays[0].numpy()
     assert found.shape == (240, 320, 3)
     assert np.shares_memory(found, np.frombuffer(received[1].buffer, np.uint8))
@@ -247,12 +247,12 @@ WRONG = {
     "a header of more than 64 KB": lambda: Message("a" * 70_000).frames(),
     "half a character": lambda: Message("ok", 1, {"a": "\ud800"}).frames(),
     "half a character as a name": lambda: Message("ok", 1, {"\ud800": 1}).frames(),
-    "a frame of None": lambda: messages.read([None]),
-    "a frame of 0": lambda: messages.read([0]),
-    "a frame of text": lambda: messages.read(["x"]),
-    "bytes as frames": lambda: messages.read(b"{}"),
-    "no frame": lambda: messages.read([]),
-    "no frames": lambda: messages.read(None),
+    "a frame of None": lambda: messages.Message.read([None]),
+    "a frame of 0": lambda: messages.Message.read([0]),
+    "a frame of text": lambda: messages.Message.read(["x"]),
+    "bytes as frames": lambda: messages.Message.read(b"{}"),
+    "no frame": lambda: messages.Message.read([]),
+    "no frames": lambda: messages.Message.read(None),
 }
 
 
@@ -282,8 +282,8 @@ def test_an_answer_that_cannot_be_written_is_answered_with_an_error(capsys):
         (lambda request: Message("ok", 0, {"x": {1}}), "wrong-type", "must be text, a number, true or false"),
         (lambda request: Message("ok", 0, {"x": math.nan}), "bad-value", "not finite"),
     ):
-        *_, frames = messages.reply_to(answer, Message("ask", 7).frames())
-        reply = messages.read(frames)
+        *_, frames = messages.message_reply(answer, Message("ask", 7).frames())
+        reply = messages.Message.read(frames)
         assert (reply.kind, reply.id, reply.values["code"]) == ("error", 7, code)
         assert says in reply.values["text"]
         assert ("Traceback" in capsys.readouterr().err) == (code == "error-in-answer")
@@ -298,7 +298,7 @@ def echo(frames):
             raise MessageError("unknown-kind", "only echo")
         return Message("ok", request.id, request.values, request.arrays)
 
-    return messages.reply_to(answer, frames)[2]
+    return messages.message_reply(answer, frames)[2]
 
 
 @each_client

@@ -71,13 +71,13 @@ def spoiled(draw):
 def verdict(frames):
     """The message, or None if it is refused in the proper way; anything else that is raised fails the test."""
     try:
-        return messages.read(frames)
+        return messages.Message.read(frames)
     except MessageError as error:
         assert re.fullmatch(r"[a-z]+-[a-z]+", error.code)
         assert 0 < len(error.text) < 300
         assert type(error.id) is int
         # The reply that a server makes of it can always be sent.
-        reply = messages.read(echo(frames))
+        reply = messages.Message.read(echo(frames))
         assert (reply.kind, reply.id, reply.values["code"]) == ("error", error.id, error.code)
         return None
 
@@ -107,11 +107,11 @@ def test_both_languages_agree_on_what_is_a_message(request):
     tried = [frames for frames in collected(spoiled(), 350) if b"\n" not in frames[0]]
     read = [verdict(frames) for frames in tried]
     for message in [*written, *filter(None, read)]:
-        assert same(messages.read(message.frames()), message)
+        assert same(messages.Message.read(message.frames()), message)
     assert read.count(None) > len(tried) / 4, "most cases must be wrong, or nothing was tested"
     # Python's part is done before it is found out that there is no C#.
     program = request.getfixturevalue("messages_program")
     answers = csharp(program, [*(message.frames() for message in written), *tried])
     for message, (word, result) in zip([*written, *read], answers, strict=True):
         assert (word == "ok") == (message is not None), (message, word, result)
-        assert message is None or same(messages.read(result), message)
+        assert message is None or same(messages.Message.read(result), message)

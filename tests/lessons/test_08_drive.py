@@ -17,7 +17,7 @@ import time
 import pytest
 import zmq
 
-from netmq_example.messages import Message, read
+from netmq_example.messages import Message
 from tests.conftest import CLIENTS
 from tests.programs import LIMIT, PATIENT, ROOT, Program
 
@@ -58,7 +58,7 @@ class Driver(threading.Thread):
         with self.socket:
             while not self.over.is_set():
                 try:
-                    frame = read(self.socket.recv_multipart())
+                    frame = Message.read(self.socket.recv_multipart())
                 except zmq.Again:
                     continue
                 self.frames.append(frame)

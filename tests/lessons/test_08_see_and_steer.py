@@ -24,7 +24,7 @@ import pytest
 import zmq
 
 from kitlib.docs import guide
-from netmq_example.messages import Array, Message, read
+from netmq_example.messages import Array, Message
 from tests.conftest import PYTHON
 from tests.lessons.conftest import ask as exchange
 from tests.programs import PATIENT, ROOT, free_port, python_runs, steady_endpoint
@@ -77,7 +77,7 @@ def plain(camera, road):
 
 @pytest.fixture
 def ask(context):
-    return lambda endpoint, message: read(exchange(context, endpoint, *message.frames()))
+    return lambda endpoint, message: Message.read(exchange(context, endpoint, *message.frames()))
 
 
 def rows(folder, name="metadata.csv"):
@@ -556,7 +556,7 @@ def test_what_is_no_picture_is_refused_by_name_and_the_server_serves_on(serve, a
         ([header.replace(b"8.0", b"NaN"), data], "bad-json"),
         ([header.replace(b"8.0", b"1e999"), data], "bad-value"),
     ):
-        reply = read(exchange(context, endpoint, *frames))
+        reply = Message.read(exchange(context, endpoint, *frames))
         assert reply.values.get("code") == code
     huge = ask(endpoint, frame(8, plain, speed=1e308, steer=-1e308)).values
     assert all(math.isfinite(huge[name]) for name in ("throttle", "brake", "steer"))
@@ -570,7 +570,7 @@ def test_nobody_draws_into_a_picture_that_the_recorder_needs(kind):
     encoding = "jpeg" if kind == "jpeg" else "raw"
     parts = frame(1, seen, encoding=encoding, bottom_up=kind == "upside down").frames()
     # As received: in memory that could be written.
-    (picture,) = pictures(read([bytearray(part) for part in parts])).values()
+    (picture,) = pictures(Message.read([bytearray(part) for part in parts])).values()
     with pytest.raises(ValueError, match="read-only"):
         picture[:2] = 0
     assert (picture == GREY).all()
@@ -585,7 +585,7 @@ class ZMQCamera:
     def __init__(self, config):
         assert config.words == ("127.0.0.1", 5555, "center")
     def connect(self): pass
-    def read(self): return __import__("numpy").zeros((240, 320, 3), "uint8")
+    def Message.read(self): return __import__("numpy").zeros((240, 320, 3), "uint8")
 class LeRobotDataset:
     @classmethod
     def create(cls, repo_id, fps, features, root=None, robot_type=None, use_videos=True):

@@ -26,7 +26,7 @@ LESSON = ROOT / "python" / KEY
 from netmq_example import trees  # noqa: E402
 from netmq_example.envs.common import frames_per_second  # noqa: E402
 from netmq_example.envs.connection import bound  # noqa: E402
-from netmq_example.messages import Array, Message, MessageError, read  # noqa: E402
+from netmq_example.messages import Array, Message, MessageError  # noqa: E402
 from netmq_example.records import ABSENT, ANSWERS, ASKS, RESET, STEP, TERMINATED, Record, read_frames, rewards, seeds  # noqa: E402
 from netmq_example.simulation.simulator import EnvironmentClient, Simulator  # noqa: E402
 from netmq_example.space_bytes import Bytes  # noqa: E402
@@ -116,8 +116,8 @@ def test_a_simulator_does_each_request_once_and_says_hello_on_each_connection(ki
         def heard(*words, kind="welcome", **values):
             """A hello, and what it is answered with."""
             peer, *hello = router.recv_multipart()
-            assert read(hello).kind == "hello"
-            router.send_multipart([peer, *Message(kind, read(hello).id, values).frames()])
+            assert Message.read(hello).kind == "hello"
+            router.send_multipart([peer, *Message(kind, Message.read(hello).id, values).frames()])
             return peer
 
         # Refused, and when that was nothing new, it is said no more.
@@ -143,7 +143,7 @@ def test_a_simulator_does_each_request_once_and_says_hello_on_each_connection(ki
         assert all(answer == first[0] for answer in first)
         assert ask(step(3, number(1))) != first[0]
         # What is no request, and what is not in a space, is named, and the simulator goes on.
-        refused = read(ask(step(4, number(2)))).values
+        refused = Message.read(ask(step(4, number(2)))).values
         assert refused["code"] == "not-in-space" and refused["text"].endswith("is not in Discrete(2)")
         wrong = {
             "not-in-space": [step(0, number(-1)), step(0, np.int32(1).tobytes()), step(0, number(1) * 2), step(0, b"")],
@@ -157,13 +157,13 @@ def test_a_simulator_does_each_request_once_and_says_hello_on_each_connection(ki
         for code, requests in wrong.items():
             for request in requests:
                 request.id = id = id + 1
-                assert read(ask(request)).values["code"] == code
+                assert Message.read(ask(request)).values["code"] == code
         seen = Bytes(world.observation).read(answered(ask(step(100, number(0)))).rows[0])
         # Half a record has no id that could be answered: hello again.
         router.send_multipart([peer, reset(101, 1).frame()[:30]])
         client.wait_for("^trouble: bad-record: this is no reset")
         peer = heard()
-        assert read(ask(Message("close", 1))).kind == "closed"
+        assert Message.read(ask(Message("close", 1))).kind == "closed"
         assert client.wait() == 0
         assert client.lines[-1] == "done: 1 episodes, 3 steps", "a refused one is none"
     world.reset(draws(7), {}, [])
@@ -184,7 +184,7 @@ def test_a_server_that_is_back_before_a_step_is_over_hears_hello_first(kind, sta
             if requests:
                 start(*client_command(kind, "17_many_machines", endpoint, "--delay", "4", *PATIENT))
             peer, *hello = router.recv_multipart()
-            assert read(hello).kind == "hello"
+            assert Message.read(hello).kind == "hello"
             for request in requests:
                 router.send_multipart([peer, *request.frames()])
             if requests:
@@ -193,8 +193,8 @@ def test_a_server_that_is_back_before_a_step_is_over_hears_hello_first(kind, sta
 
 def test_what_a_simulator_has_done_already_it_does_not_do_again():
     simulator = Simulator(CartPole())
-    assert read(simulator.hello().frames()).kind == "hello"
-    assert read(simulator.answer(step(0, number(1)))).kind == "hello"
+    assert Message.read(simulator.hello().frames()).kind == "hello"
+    assert Message.read(simulator.answer(step(0, number(1)))).kind == "hello"
     simulator.answer(reset(1, 1))
     for id in (2, 2, 3, 2):
         answer = answered(simulator.answer(step(id, number(1))))
@@ -249,7 +249,7 @@ def test_a_second_simulator_is_told_that_there_is_one(here):
                 second.connect(simulator.endpoint)
                 second.send_multipart(simulator.simulator.hello().frames())
                 assert second.poll(1000 * LIMIT)
-                told.append(read(second.recv_multipart()).values)
+                told.append(Message.read(second.recv_multipart()).values)
             return state(request)
 
         told = []

@@ -39,7 +39,7 @@ from gymnasium.wrappers import TimeLimit  # noqa: E402
 
 from netmq_example import trees  # noqa: E402
 from netmq_example.envs import ZmqEnv, ZmqVectorEnv  # noqa: E402
-from netmq_example.messages import Message, MessageError, read_reply  # noqa: E402
+from netmq_example.messages import Message, MessageError  # noqa: E402
 from netmq_example.records import ASKS, RESET, STEP, Record, read, seeds  # noqa: E402
 from netmq_example.simulation.areas import AreaSimulator  # noqa: E402
 from netmq_example.simulation.simulation import Simulation  # noqa: E402
@@ -362,7 +362,7 @@ def test_a_picture_of_other_numbers_is_refused(pixel):
     world.render = lambda: [[[pixel, 0, 0]]]
     frames = Simulator(world).answer(Message("render", 1))
     with pytest.raises(MessageError, match=r"^bad-picture: a picture is uint8 \[height, width, 3\]: "):
-        read_reply(frames)
+        Message.read_reply(frames)
 
 
 @pytest.mark.parametrize("many", [np.zeros((2**19, 0), np.float32), np.full(2**19, 9, np.float32), "x" * 2**19])

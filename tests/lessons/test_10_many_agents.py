@@ -32,7 +32,7 @@ sys.path.append(str(ROOT / "python" / KEY))
 from netmq_example import trees  # noqa: E402
 from netmq_example.envs import ZmqParallelEnv  # noqa: E402
 from netmq_example.envs.launch import game  # noqa: E402
-from netmq_example.messages import Array, Message, MessageError, read  # noqa: E402
+from netmq_example.messages import Array, Message, MessageError  # noqa: E402
 from netmq_example.records import ASKS, NOTHING, RESET, STEP, Record, seeds  # noqa: E402
 from netmq_example.simulation.agents import AgentSimulator  # noqa: E402
 from netmq_example.simulation.areas import AreaSimulator  # noqa: E402
@@ -365,7 +365,7 @@ def test_a_game_of_texts_dicts_and_sequences_is_the_same_in_both_languages(post,
 def test_before_the_first_reset_nobody_lives():
     wrong = steps(0, 0, 0, 0, 0)
     wrong.id = 1
-    error = read(AgentSimulator(Pursuit()).answer(wrong)).values
+    error = Message.read(AgentSimulator(Pursuit()).answer(wrong)).values
     assert error["code"] == "wrong-agents" and error["text"].endswith("but those that live are []")
 
 

@@ -20,7 +20,7 @@ from netmq_example import records, trees  # noqa: E402
 from netmq_example.envs import ZmqParallelEnv, ZmqVectorEnv  # noqa: E402
 from netmq_example.envs.connection import Lost  # noqa: E402
 from netmq_example.envs.parallel_env import LONGEST_INFO, told_in  # noqa: E402
-from netmq_example.messages import EXACT, MessageError, read  # noqa: E402
+from netmq_example.messages import EXACT, Message, MessageError  # noqa: E402
 from netmq_example.records import ANSWERS, ASKS, RESET, STEP, Record, rewards  # noqa: E402
 from netmq_example.simulation.agents import AgentSimulator  # noqa: E402
 from netmq_example.simulation.areas import AreaSimulator  # noqa: E402
@@ -240,7 +240,7 @@ def test_a_reward_that_is_no_number_is_the_simulations_mistake():
 
     simulator = AgentSimulator(Broken())
     simulator.answer(Record(ASKS, 1, bytes(40), [RESET] * 5, [b""] * 5))
-    answer = read(simulator.answer(Record(ASKS, 2, bytes(40), [STEP] * 5, zeros(8, 8, 8, 8, 8))))
+    answer = Message.read(simulator.answer(Record(ASKS, 2, bytes(40), [STEP] * 5, zeros(8, 8, 8, 8, 8))))
     assert answer.kind == "error"
     assert answer.values == {"code": "bad-reward", "text": f"the reward of {next(iter(Pursuit().agents))} is nan"}
 

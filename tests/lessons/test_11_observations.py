@@ -29,7 +29,7 @@ from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test  # n
 
 from netmq_example import records, trees  # noqa: E402
 from netmq_example.envs import UnityAECEnv, UnityParallelEnv  # noqa: E402
-from netmq_example.messages import Array, Message, MessageError, read  # noqa: E402
+from netmq_example.messages import Array, Message, MessageError  # noqa: E402
 from netmq_example.simulation.scene import Agent, SceneSimulator  # noqa: E402
 
 KEY = "11_observations"
@@ -125,7 +125,7 @@ def test_both_languages_send_the_same_bytes(start, client_command):
     assert len(python) == len(csharp)
     codes = []
     for mine, other in zip(python, csharp, strict=True):
-        errors = [read(each) for each in (mine, other) if each[0].startswith(b'{"kind":"error"')]
+        errors = [Message.read(each) for each in (mine, other) if each[0].startswith(b'{"kind":"error"')]
         if errors:
             codes += [error.values["code"] for error in errors]
         else:

@@ -25,7 +25,7 @@ from netmq_example.envs import UnityAECEnv, UnityGymEnv, UnityParallelEnv, unity
 from netmq_example.envs import merge as fit  # noqa: E402
 from netmq_example.envs.plan import Sight  # noqa: E402
 from netmq_example.locator import parse  # noqa: E402
-from netmq_example.messages import Array, Message, MessageError, read  # noqa: E402
+from netmq_example.messages import Array, Message, MessageError  # noqa: E402
 from netmq_example.records import Record  # noqa: E402
 from netmq_example.simulation.answers import hello_of  # noqa: E402
 from netmq_example.simulation.scene import Agent, Obs, SceneSimulator  # noqa: E402
@@ -365,7 +365,7 @@ def asks(order, row=b"", options=b"", count=1):
 def test_a_request_that_is_none_is_a_line(request_, code, capfd):
     simulator = seeing(1)
     simulator.hello()
-    answer = read(simulator.answer(request_))
+    answer = Message.read(simulator.answer(request_))
     assert (answer.kind, answer.values["code"]) == ("error", code), answer.values
     assert capfd.readouterr().err == ""
 
@@ -377,7 +377,7 @@ def test_an_action_that_is_none_moves_nobody(row):
     simulator.answer(asks(records.RESET, options=trees.write(ASKED)))
     step = asks(records.STEP, row)
     step.id = 2
-    assert read(simulator.answer(step)).values["code"] == "bad-tree"
+    assert Message.read(simulator.answer(step)).values["code"] == "bad-tree"
     assert (simulator.episodes, simulator.steps) == (1, 0)
 
 

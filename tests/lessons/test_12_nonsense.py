@@ -14,7 +14,7 @@ import pytest
 import zmq
 
 from kitlib.setup import dotnet
-from netmq_example.messages import Array, Message, MessageError, read
+from netmq_example.messages import Array, Message, MessageError
 from tests.conftest import CLIENTS, PYTHON
 from tests.programs import LIMIT, ROOT, steady_endpoint
 
@@ -42,7 +42,7 @@ class Peer:
     def next(self, *kinds):
         end = time.monotonic() + LIMIT
         while time.monotonic() < end:
-            if self.socket.poll(100) and (message := read(self.socket.recv_multipart())).kind in kinds:
+            if self.socket.poll(100) and (message := Message.read(self.socket.recv_multipart())).kind in kinds:
                 return message
         raise AssertionError(f"no {kinds} came")
 

@@ -19,7 +19,7 @@ np = pytest.importorskip("numpy", reason="lesson 12 needs numpy: kit.py run 12 i
 Image = pytest.importorskip("PIL.Image", reason="lesson 12 needs Pillow: kit.py run 12 installs it")
 
 KEY = "12_video"
-from netmq_example.messages import Array, Message, read  # noqa: E402
+from netmq_example.messages import Array, Message  # noqa: E402
 
 sys.path.append(str(ROOT / "python" / KEY))
 self_driving = importlib.import_module("self_driving")
@@ -99,7 +99,7 @@ class Filmer:
         while time.monotonic() < end:
             if self.socket.poll(100):
                 peer, *frames = self.socket.recv_multipart()
-                message = read(frames)
+                message = Message.read(frames)
                 if message.kind == "hello":
                     self.peer = peer
                 if message.kind in kinds:

@@ -153,7 +153,7 @@ def test_a_client_does_as_it_is_told_and_says_hello_again_to_a_silent_hub(kind, 
         peers = set()
         for silence in (0.5, 600.0):
             peer, *frames = hub.recv_multipart()
-            hello = messages.read(frames)
+            hello = messages.Message.read(frames)
             assert (hello.kind, hello.values["build"]) == ("hello", "7")
             hub.send_multipart([peer, *messages.Message("welcome", 0, {"silence": silence}).frames()])
             peers.add(peer)
@@ -517,7 +517,7 @@ def test_a_hub_that_was_away_says_first_what_is_missing():
 
     class Socket:
         def send_multipart(self, frames, flags=0):
-            sent.append(messages.read(frames[1:]))
+            sent.append(messages.Message.read(frames[1:]))
 
     hub = Hub(Socket())
     hub.take(b"trainer", messages.Message("join", 0, {"name": "CartPole", "areas": 2}).frames())
@@ -550,7 +550,7 @@ def test_a_hub_that_was_stopped_sends_nobody_home():
 
     class Socket:
         def send_multipart(self, frames, flags=0):
-            sent.append(messages.read(frames[1:]).kind)
+            sent.append(messages.Message.read(frames[1:]).kind)
 
     hub = Hub(Socket())
     hub.take(b"simulator", FleetSimulator(Simulator(CartPole())).hello().frames())

@@ -12,7 +12,7 @@ if not Path("/proc/self/status").exists():
     pytest.skip("only Linux says how much memory a program has taken", allow_module_level=True)
 
 from netmq_example import records
-from netmq_example.messages import Array, Message, read
+from netmq_example.messages import Array, Message
 from netmq_example.records import ANSWERS, ASKS, Record
 from tests.conftest import PYTHON
 from tests.programs import LIMIT, ROOT, Program
@@ -81,7 +81,7 @@ def hears(socket, *kinds):
     end = time.monotonic() + LIMIT
     while time.monotonic() < end:
         frames = socket.recv_multipart()
-        message = read([frame for frame in frames if frame])
+        message = Message.read([frame for frame in frames if frame])
         if message.kind in kinds:
             return message
     raise AssertionError(f"heard none of {kinds}")
@@ -155,7 +155,7 @@ def test_a_state_that_is_no_state(peer):
             reset = Record(ASKS, 1, bytes(8), [records.RESET], [b""], options=options)
             with taking(simulator, 400):
                 trainer.send_multipart([name, *reset.frames()])
-                said = read(trainer.recv_multipart()[1:]).values
+                said = Message.read(trainer.recv_multipart()[1:]).values
             assert said == {"code": "bad-state", "text": f"a state is 4 numbers, not {len(LARGE)}"}
         finally:
             simulator.kill()

@@ -23,7 +23,7 @@ import zmq
 from netmq_example import check
 from netmq_example.beacon import BeaconSearch
 from netmq_example.errors import GaveUp, longer
-from netmq_example.messages import EXACT, LIMIT, Message, MessageError, read_reply
+from netmq_example.messages import EXACT, LIMIT, Message, MessageError
 from netmq_example.one_process import OneProcess
 from netmq_example.program import SLICE_MS, limit, printable
 
@@ -143,7 +143,7 @@ class DriverClient(OneProcess):
                 within = f"within {self.wait_seconds:g} s"
                 cure = self.search.cure("is the server running?")
                 raise TimeoutError(f"no reply from {self.endpoint} {within}; {cure}")
-            action = read_action(read_reply(frames), self.asked.id)
+            action = read_action(Message.read_reply(frames), self.asked.id)
         except (TimeoutError, MessageError) as error:
             self.fail(printable(str(error)))
             return None

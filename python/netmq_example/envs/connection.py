@@ -143,7 +143,7 @@ class Connection(OneProcess):
             return peer, None
 
     def refuse(self, peer: bytes, error: MessageError) -> None:
-        self.send(peer, error.reply().frames())
+        self.send(peer, Message.refusal(error).frames())
 
     def send(self, peer: bytes, frames: list[bytes]) -> bool:
         """False if the peer is gone. One that takes nothing now is asked again."""

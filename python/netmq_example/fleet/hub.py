@@ -96,7 +96,7 @@ class Hub:
         except MessageError as error:
             if isinstance(error, Refused):
                 self.report(f"refused: {error}")
-            self.send(peer, error.reply())
+            self.send(peer, Message.refusal(error))
         self.lease()
 
     def answered(self, peer: bytes, member: Member, answer: Any) -> None:

@@ -63,7 +63,7 @@ class Episode:
         self.lost = 0
         if size_of(answer) > self.most + REQUEST_BYTES:
             text = f"an answer of {size_of(answer)} bytes is more than one area's part of a message, {self.most}"
-            answer = MessageError("too-big", text).reply()
+            answer = Message.refusal(MessageError("too-big", text))
             # Its world has gone on, and nobody has seen it: the episode is over.
             self.seen = b""
         self.answer = answer

@@ -18,7 +18,7 @@ import zmq
 from netmq_example import check
 from netmq_example.errors import longer
 from netmq_example.finalizers import finalizer
-from netmq_example.messages import LIMIT, Message, read, take
+from netmq_example.messages import LIMIT, Message, take
 from netmq_example.one_process import OneProcess
 from netmq_example.program import limit
 from netmq_example.records import is_record
@@ -65,7 +65,7 @@ class FleetSocket(OneProcess):
         if is_record(frames):
             self.report_lost(0)
         else:
-            message = read(frames)
+            message = Message.read(frames)
             if message.kind == "alive" and not self.waits:
                 self.report_lost(take({"missing": 0} | message.values, "missing", int))
             elif message.kind == "alive":

@@ -64,7 +64,7 @@ class Trainer:
         if self.left:
             # Nothing else changes: the answer to the one under way is still to come.
             error = MessageError("one-at-a-time", f"request {self.request.id} is under way: wait for its answer")
-            self.reply(error.reply(request.id))
+            self.reply(Message.refusal(error, request.id))
             return
         self.request = request
         try:
@@ -126,7 +126,7 @@ class Trainer:
 
     def refuse(self, error: MessageError) -> None:
         self.left.clear()
-        self.answer(error.reply(self.request.id))
+        self.answer(Message.refusal(error, self.request.id))
 
     def give_up(self, text: str) -> None:
         self.release()

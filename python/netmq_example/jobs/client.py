@@ -23,7 +23,7 @@ import zmq
 from netmq_example import check
 from netmq_example.beacon import BeaconSearch
 from netmq_example.errors import GaveUp, longer, tried
-from netmq_example.messages import LIMIT, Message, MessageError, read, take
+from netmq_example.messages import LIMIT, Message, MessageError, take
 from netmq_example.one_process import OneProcess, one_at_a_time
 from netmq_example.program import limit
 
@@ -170,7 +170,7 @@ class JobClient(OneProcess):
     def receive(self) -> Message | None:
         """The next message about this job, if one comes soon."""
         try:
-            news = read(self.socket.recv_multipart())
+            news = Message.read(self.socket.recv_multipart())
         except zmq.Again:
             return None
         except MessageError as error:

@@ -33,7 +33,7 @@ from netmq_example.jobs.client import job_id
 from netmq_example.jobs.journal import Journal
 from netmq_example.jobs.work import Kind
 from netmq_example.jobs.workers import MOST_WORKERS, Workers
-from netmq_example.messages import Message, MessageError, read, take
+from netmq_example.messages import Message, MessageError, take
 
 # For which a client is told what is new after it asked: for one that is gone or stuck nothing piles up.
 WATCH_SECONDS = 5.0
@@ -110,7 +110,7 @@ class Jobs:
         """The next turn returns the reply."""
         request = Message("")
         try:
-            request = read(frames)
+            request = Message.read(frames)
             reply = self.do(request)
         except MessageError as error:
             # A longer text is no id, and written anew it might not fit in a header any more.

@@ -19,7 +19,7 @@ from typing import Any
 
 from netmq_example import check
 from netmq_example.jobs.client import ENDS, check_news, job_id
-from netmq_example.messages import EXACT, LIMIT, Message, MessageError, read, take
+from netmq_example.messages import EXACT, LIMIT, Message, MessageError, take
 
 # By this number in its header the file is known for a journal of jobs.
 APPLICATION_ID = 1_246_708_275
@@ -66,7 +66,7 @@ def clock() -> float:
 
 def entry(job: Any, goal: Any, news: Any, data: Any) -> tuple[Message, Message]:
     """A row; MessageError unless it holds what `save` has written: a file is trusted no more than a peer."""
-    begun, newest = read([goal]), read([news] if data is None else [news, data])
+    begun, newest = Message.read([goal]), Message.read([news] if data is None else [news, data])
     for name, kind in {"kind": str, "count": int, "text": str}.items():
         take(begun.values, name, kind)
     check_news(newest)

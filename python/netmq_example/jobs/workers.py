@@ -30,7 +30,7 @@ from socket import socketpair
 
 from netmq_example import check
 from netmq_example.jobs.work import Kind, Step, WorkError
-from netmq_example.messages import EXACT, Message, MessageError, read, take
+from netmq_example.messages import EXACT, Message, MessageError, take
 
 MOST_WORKERS = 100
 # Feedback is a state: nobody needs it more often. So a checkpoint is at most that old.
@@ -46,7 +46,7 @@ def send(pipe: Connection, message: Message) -> None:
 
 
 def receive(pipe: Connection) -> Message:
-    return read(list(iter(pipe.recv_bytes, b"")))
+    return Message.read(list(iter(pipe.recv_bytes, b"")))
 
 
 # In the worker's process
@@ -130,7 +130,7 @@ def check_step(step: Step) -> None:
     longest = Message("goal", values={"job": "x" * 64})
     message = about(longest, step, "canceling", status="succeeded")
     message.values["seq"] = EXACT - 1
-    values = read(message.frames()).values
+    values = Message.read(message.frames()).values
     for name, kind in (("done", int), ("total", int), ("text", str)):
         take(values, name, kind)
 

@@ -66,7 +66,7 @@ class SimulatorBase(ABC):
                     # A mistake in the simulation, whose author wants to see where it is.
                     traceback.print_exc()
                     error = MessageError("error-in-simulation", repr(error)[:200])
-                self.kept = error.reply(request.id).frames()
+                self.kept = Message.refusal(error, request.id).frames()
             self.id = request.id
         return self.kept
 

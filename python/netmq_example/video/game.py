@@ -17,7 +17,7 @@ from typing import Any
 import zmq
 
 from netmq_example import check
-from netmq_example.messages import LIMIT, Message, MessageError, read, take
+from netmq_example.messages import LIMIT, Message, MessageError, take
 from netmq_example.program import limit
 
 ENDPOINT = "tcp://127.0.0.1:5562"
@@ -82,7 +82,7 @@ class Game:
         identity, *frames = self.socket.recv_multipart(copy=False)
         peer = identity.bytes
         try:
-            message = read(frames)
+            message = Message.read(frames)
             if message.kind == "hello":
                 self.greet(peer, message)
             elif peer == self.peer:
@@ -124,7 +124,7 @@ class Game:
         """False if there is no way to it any more."""
         frames = Message(kind, id, values or {}).frames()
         # A game hangs up on what it cannot read: MessageError says so before it is sent.
-        read(frames)
+        Message.read(frames)
         try:
             self.socket.send_multipart([peer or self.peer, *frames], zmq.NOBLOCK)
         except zmq.ZMQError:

@@ -28,7 +28,7 @@ import zmq
 from netmq_example import check
 from netmq_example.beacon import cure
 from netmq_example.errors import longer
-from netmq_example.messages import LIMIT, Array, Message, MessageError, read, take
+from netmq_example.messages import LIMIT, Array, Message, MessageError, take
 from netmq_example.one_connection import NO_CONNECTION, TRY_SECONDS, connect_once, poll
 from netmq_example.program import limit
 
@@ -263,7 +263,7 @@ class ViewSender:
             if not socket.poll(0, zmq.POLLOUT):
                 raise ConnectionError("Python is gone")
             return None
-        message = read(socket.recv_multipart())
+        message = Message.read(socket.recv_multipart())
         if message.kind == "error":
             raise MessageError(str(message.values.get("code"))[:40], str(message.values.get("text"))[:200])
         return message

@@ -1,0 +1,52 @@
+"""How version 0.3 wrote it: this goes on for one version with a DeprecationWarning, and ends with the next.
+
+class LazyPirate:
+    @positional("context", "endpoint", "timeout", "tries", "report")
+    def __init__(self, endpoint, *, timeout=0.5, tries=5, context=None): ...
+"""
+
+import functools
+import warnings
+from collections.abc import Callable
+from typing import Any, ParamSpec, TypeVar, cast
+
+import zmq
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+def renamed(old: str, new: str, value: T) -> T:
+    """The value that had another name."""
+    warnings.warn(f"{old} is {new} now, and ends with the next version", DeprecationWarning, stacklevel=3)
+    return value
+
+
+def positional(*names: str) -> Callable[[Callable[P, None]], Callable[P, None]]:
+    """For an __init__ whose words had another order: a context or a socket came first, and no word needed its name."""
+
+    def decorate(init: Callable[P, None]) -> Callable[P, None]:
+        @functools.wraps(init)
+        def call(self: Any, *args: Any, **words: Any) -> None:
+            if not is_former(args, words, names):
+                return cast(Any, init)(self, *args, **words)
+            name = type(self).__name__
+            warnings.warn(
+                f"{name}: write {name}(endpoint, timeout=…), and log instead of report", DeprecationWarning, 2
+            )
+            words = dict(zip(names, args, strict=False)) | words
+            report = words.pop("report", None)
+            cast(Any, init)(self, **words)
+            if report:
+                self.report = report
+
+        return cast(Callable[P, None], call)
+
+    return decorate
+
+
+def is_former(args: tuple[Any, ...], words: dict[str, Any], names: tuple[str, ...]) -> bool:
+    first = args[0] if args else None
+    return (
+        "report" in words or isinstance(first, zmq.Context | zmq.Socket) or (len(args) > 1 and names[0] == "endpoint")
+    )
