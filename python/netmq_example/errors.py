@@ -44,7 +44,7 @@ class ListenError(Error, OSError):
 class Coded(Error):
     """An error with a code for programs, a text for people, and the id of a message, 0 where it has none."""
 
-    def __init__(self, code: str, text: str = "", id: int | str = 0) -> None:
+    def __init__(self, code: str, text: str = "", id: int = 0) -> None:
         if not text:
             # Pickle and AsyncVectorEnv, which bring an error from another process, have one argument for it.
             code, _, text = str(code).partition(": ")

@@ -29,11 +29,11 @@ def positional(*names: str) -> Callable[[Callable[P, None]], Callable[P, None]]:
         @functools.wraps(init)
         def call(self: Any, *args: Any, **words: Any) -> None:
             if not is_former(args, words, names):
-                return cast(Any, init)(self, *args, **words)
+                cast(Any, init)(self, *args, **words)
+                return
             name = type(self).__name__
-            warnings.warn(
-                f"{name}: write {name}(endpoint, timeout=…), and log instead of report", DeprecationWarning, 2
-            )
+            cure = f"write {name}(endpoint, timeout=…), and have logging report"
+            warnings.warn(cure, DeprecationWarning, stacklevel=2)
             words = dict(zip(names, args, strict=False)) | words
             report = words.pop("report", None)
             cast(Any, init)(self, **words)
@@ -47,6 +47,5 @@ def positional(*names: str) -> Callable[[Callable[P, None]], Callable[P, None]]:
 
 def is_former(args: tuple[Any, ...], words: dict[str, Any], names: tuple[str, ...]) -> bool:
     first = args[0] if args else None
-    return (
-        "report" in words or isinstance(first, zmq.Context | zmq.Socket) or (len(args) > 1 and names[0] == "endpoint")
-    )
+    is_long = len(args) > 1 and names[0] == "endpoint"
+    return "report" in words or isinstance(first, zmq.Context | zmq.Socket) or is_long

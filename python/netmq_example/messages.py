@@ -140,8 +140,7 @@ class Message:
         """The reply that says what is wrong, to the request of this id."""
         # The reply can be written, whatever is in it.
         text = str(error.text)[:LONGEST_TEXT].encode(errors="replace").decode()
-        known = error.id if isinstance(error.id, int) else 0
-        return Message("error", known or id, {"code": str(error.code)[:40], "text": text})
+        return Message("error", error.id or id, {"code": str(error.code)[:40], "text": text})
 
     def check(self) -> None:
         """MessageError if a reader would refuse it."""
