@@ -6,14 +6,10 @@
 lazy_pirate.py has the retries and the bytes.
 """
 
-import contextlib
-import functools
 import sys
 from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
-import zmq
-
 from netmq_example.lazy_pirate import LazyPirate
 from netmq_example.program import at_least_one, client_options, printable, run, whole
 
@@ -26,11 +22,7 @@ def main() -> None:
     parser.add_argument("--tries", type=at_least_one, default=5, help="how often to send a request before giving up")
     options = parser.parse_args()
     print(f"asking {options.endpoint}", flush=True)
-    say = functools.partial(print, flush=True)
-    with (
-        zmq.Context() as context,
-        contextlib.closing(LazyPirate(context, options.endpoint, options.timeout, options.tries, say)) as pirate,
-    ):
+    with LazyPirate(options.endpoint, timeout=options.timeout, tries=options.tries) as pirate:
         for i in range(1, options.count + 1):
             reply = pirate.request(options.text)
             print(f"{i}: sent {options.text}, received {printable(reply)}", flush=True)

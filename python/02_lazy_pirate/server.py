@@ -14,6 +14,7 @@ Trouble on command, where N counts the requests since the start:
     --drop N         does request N and does not reply
 """
 
+import argparse
 import itertools
 import os
 import re
@@ -24,8 +25,16 @@ from pathlib import Path
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
+from netmq_example.errors import Error
 from netmq_example.journal import LONGEST_ID_BYTES, Journal
 from netmq_example.program import listening, receive, run, server_options, text_of, whole
+from netmq_example.replies import envelope
+
+# What this server keeps: an account. Delete the journal to begin at 0, while no server runs.
+SCHEMA = """
+    CREATE TABLE IF NOT EXISTS account (balance INTEGER NOT NULL);
+    INSERT INTO account SELECT 0 WHERE NOT EXISTS (SELECT * FROM account);
+"""
 
 
 def answer(db: sqlite3.Connection, text: str) -> str:
@@ -37,9 +46,20 @@ def answer(db: sqlite3.Connection, text: str) -> str:
     return str(db.execute("SELECT balance FROM account").fetchone()[0])
 
 
+def journal(path: str) -> Journal:
+    """The type of an option: a journal that cannot be used is wrong usage."""
+    try:
+        opened = Journal(path, schema=SCHEMA)
+        balance = opened.db.execute("SELECT balance FROM account").fetchone()[0]
+        print(f"journal {path}, balance {int(balance)}", flush=True)
+    except (Error, sqlite3.Error, TypeError, ValueError) as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+    return opened
+
+
 def main() -> None:
     parser = server_options(__doc__, "tcp://127.0.0.1:5552")
-    parser.add_argument("--journal", type=Journal, default="lazy_pirate.sqlite3", help="a file, made if there is none")
+    parser.add_argument("--journal", type=journal, default="lazy_pirate.sqlite3", help="a file, made if there is none")
     parser.add_argument("--crash-on", type=whole, default=0, metavar="N", help="do request N, then crash")
     parser.add_argument("--drop", type=whole, default=0, metavar="N", help="do request N, then lose the reply")
     options = parser.parse_args()
@@ -47,9 +67,8 @@ def main() -> None:
     with listening(zmq.ROUTER, options) as socket:
         for number in itertools.count(1):
             frames = receive(socket)
-            # Those up to the empty one are the way back to the client. REP keeps them out of sight.
-            body = frames.index(b"") + 1 if b"" in frames[:-1] else 1
-            request_id, text = frames[body:] if len(frames) == body + 2 else (b"", b"")
+            way, body = envelope(frames)
+            request_id, text = body if len(body) == 2 else (b"", b"")
             reply = source = ""
             with options.journal.watched():
                 if not 0 < len(request_id) <= LONGEST_ID_BYTES:
@@ -65,7 +84,7 @@ def main() -> None:
                 os._exit(1)
             if reply and number != options.drop:
                 # This never waits: ROUTER drops the reply to a client that has gone, or does not read.
-                socket.send_multipart([*frames[:body], *filter(None, [request_id]), reply.encode()])
+                socket.send_multipart([*way, *filter(None, [request_id]), reply.encode()])
 
 
 if __name__ == "__main__":

@@ -36,7 +36,7 @@ def main() -> None:
         # several it delivers nothing. NetMQ has no such option.
         socket.rcvhwm = options.hwm
         socket.conflate = options.conflate
-        listener = TopicListener(socket, options.endpoint, options.topic)
+        listener = TopicListener(options.endpoint, options.topic, socket=socket)
         receive = listener.newest if options.newest else listener.receive
         for i in range(options.count):
             message = receive(options.timeout)

@@ -7,13 +7,12 @@ Start the server with `--slow-on 3`, or stop it while the client runs: the frame
 How it works, and the bytes: background_client.py and lazy_pirate.py.
 """
 
-import contextlib
 import sys
 import time
 from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
-from netmq_example.background_client import BackgroundClient
+from netmq_example.background_client import BackgroundClient, ClientState
 from netmq_example.errors import Error
 from netmq_example.program import at_least_one, client_options, printable, run, whole
 
@@ -27,7 +26,7 @@ def play(client: BackgroundClient, text: str, count: int, naive: bool) -> None:
     while len(replies) < count and not errors:
         began = time.monotonic()
         state, trouble = client.status
-        if trouble != shown and state != "Lost":
+        if trouble != shown and state != ClientState.LOST:
             print(f"trouble: {trouble}", flush=True)
             shown = trouble
         known = len(replies)
@@ -54,7 +53,7 @@ def main() -> None:
     parser.add_argument("--naive", action="store_true", help="let each frame wait for its reply")
     options = parser.parse_args()
     print(f"asking {options.endpoint}", flush=True)
-    with contextlib.closing(BackgroundClient(options.endpoint, options.timeout, options.tries)) as client:
+    with BackgroundClient(options.endpoint, timeout=options.timeout, tries=options.tries) as client:
         play(client, options.text, options.count, options.naive)
 
 

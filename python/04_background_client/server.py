@@ -20,7 +20,7 @@ sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
 from netmq_example.program import listening, receive, run, server_options, whole
-from netmq_example.replies import reply_to
+from netmq_example.replies import envelope, reply_to
 
 
 def answer(text: str) -> str:
@@ -42,14 +42,11 @@ def main() -> None:
     options = parser.parse_args()
     with listening(zmq.ROUTER, options) as socket:
         for number in itertools.count(1):
-            frames = receive(socket)
-            # The way back ends with REQ's empty frame, or with the client's name: REP takes nothing without the former.
-            body = frames.index(b"") + 1 if b"" in frames[:-1] else 1
-            way = frames[:body]
+            way, body = envelope(receive(socket))
             reply = b"error: expected two frames, [id][text]"
-            if len(frames) == body + 2:
-                way = frames[:-1]
-                reply = remembered(*frames[body:])
+            if len(body) == 2:
+                way.append(body[0])
+                reply = remembered(*body)
             if number == options.slow_on:
                 time.sleep(2)
             socket.send_multipart([*way, reply])

@@ -6,17 +6,14 @@
 many_requester.py has the bytes, and the way by which a reply finds its request.
 """
 
-import contextlib
 import itertools
 import sys
 from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
-import zmq
-
-from netmq_example.errors import Error
+from netmq_example.errors import Error, MessageError
 from netmq_example.many_requester import ManyRequester
-from netmq_example.program import at_least_one, client_options, printable, run, show, whole
+from netmq_example.program import at_least_one, client_options, printable, run, whole
 
 TEXT = "sleep 0.8|echo one|sleep 0.5|echo two|sleep 0.2|echo three"
 
@@ -32,15 +29,15 @@ def main() -> None:
     texts = options.text.split("|")
     requests = itertools.islice(itertools.cycle(texts), options.count)
     failures = 0
-    with zmq.Context() as context:
-        requester = ManyRequester(context, options.endpoint, options.window, options.timeout, options.tries, show)
-        with contextlib.closing(requester):
-            for number, reply, failure in requester.request_many(requests):
-                outcome = f"received {printable(reply)}"
-                if failure:
-                    failures += 1
-                    outcome = f"gave up: {failure}"
-                print(f"{number}: sent {printable(texts[(number - 1) % len(texts)])}, {outcome}", flush=True)
+    limits = {"window": options.window, "timeout": options.timeout, "tries": options.tries}
+    with ManyRequester(options.endpoint, **limits) as requester:
+        for number, reply, error in requester.request_many(requests):
+            outcome = f"received {printable(reply)}"
+            # A reply that begins with `error:` is one, too: that error is Refused.
+            if error and not reply:
+                failures += 1
+                outcome = f"gave up: {error.text if isinstance(error, MessageError) else error}"
+            print(f"{number}: sent {printable(texts[(number - 1) % len(texts)])}, {outcome}", flush=True)
     print(f"done: {options.count - failures} replies", flush=True)
     if failures:
         raise Error(f"{failures} of {options.count} requests to {options.endpoint} have no reply; see above")

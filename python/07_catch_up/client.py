@@ -12,10 +12,8 @@ import time
 from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
-import zmq
-
 from netmq_example.pose_stream import PoseSubscriber
-from netmq_example.program import client_endpoint, client_options, run, seconds, show, whole
+from netmq_example.program import client_endpoint, client_options, run, seconds, whole
 
 
 def main() -> None:
@@ -27,16 +25,16 @@ def main() -> None:
     parser.add_argument("--every", type=whole, default=60, help="print one pose in so many; 0: none")
     parser.add_argument("--work", type=seconds, default=0, help="seconds that each pose takes: a slow subscriber")
     options = parser.parse_args()
-    with zmq.Context() as context, context.socket(zmq.SUB) as stream:
-        try:
-            poses = PoseSubscriber(stream, options.endpoint, options.snapshots or "", show)
-        except ValueError as error:
-            parser.error(f"{error}; give --snapshots")
+    try:
+        poses = PoseSubscriber(options.endpoint, snapshots=options.snapshots or "", timeout=options.timeout)
+    except ValueError as error:
+        parser.error(f"{error}; give --snapshots")
+    with poses:
         print(f"following {options.endpoint}, snapshots from {poses.snapshots}", flush=True)
         end = time.monotonic() + options.seconds
         while poses.received < options.count and time.monotonic() < end:
             # The next pose of the stream. After one that is missing, a snapshot.
-            news = poses.receive(options.timeout)
+            news = poses.receive()
             if news and options.every and poses.received % options.every == 0:
                 print(f"{poses.pose.number}: at", *(f"{value:.4f}" for value in poses.pose.position), flush=True)
             if 0 < options.until <= poses.pose.number:

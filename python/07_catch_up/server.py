@@ -24,13 +24,19 @@ from netmq_example.pose_stream import PosePublisher, snapshots_beside
 from netmq_example.program import SLICE_MS, Socket, listening, run, seconds, server_endpoint, server_options, whole
 
 
+def circle(number: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Your own state goes here: position and rotation on a circle of 2 m, one radian in 60 poses, facing forward."""
+    angle = number / 60
+    return (2 * math.cos(angle), 0, 2 * math.sin(angle)), (0, math.sin(-angle / 2), 0, math.cos(angle / 2))
+
+
 def serve(stream: Socket, snapshots: Socket, interval: float, count: int) -> None:
     """Publish and answer on one thread, so that a snapshot is always that of a whole message."""
     publisher = PosePublisher()
     due = time.monotonic()
     while True:
         if time.monotonic() >= due:
-            stream.send_string(publisher.step())
+            stream.send_string(publisher.step(*circle(publisher.number + 1)))
             # After a long sleep of the machine one second is made up for, not the whole night.
             due = max(due + interval, time.monotonic() - 1)
             if publisher.number == count:

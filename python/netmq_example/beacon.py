@@ -18,7 +18,7 @@ import time
 from collections.abc import Iterator
 from typing import Any
 
-from netmq_example.errors import GaveUp
+from netmq_example.errors import Error
 
 if sys.platform != "win32":
     import fcntl
@@ -52,7 +52,7 @@ def datagram(name: str, mark: str) -> bytes:
 
 @contextlib.contextmanager
 def answering(name: str | None, endpoint: str) -> Iterator[None]:
-    """Answers for a server that is bound to tcp://ADDRESS:PORT, on a thread, and prints its beacon. GaveUp if
+    """Answers for a server that is bound to tcp://ADDRESS:PORT, on a thread, and prints its beacon. Error if
     nobody could hear it. Without a name nothing is done.
     """
     if not name:
@@ -61,13 +61,13 @@ def answering(name: str | None, endpoint: str) -> Iterator[None]:
     host, _, port = endpoint.partition("://")[2].rpartition(":")
     if host.startswith("127."):
         cure = f"give --endpoint tcp://0.0.0.0:{port}, with --open-to-anyone or keys"
-        raise GaveUp(f"no beacon for {endpoint}, which no other machine reaches: {cure}")
+        raise Error(f"no beacon for {endpoint}, which no other machine reaches: {cure}")
     over = threading.Event()
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as ear:
         try:
             ear.bind((host, int(port)))
         except OSError as error:
-            raise GaveUp(f"no beacon on UDP port {port}: {error.strerror}; give --endpoint another port") from None
+            raise Error(f"no beacon on UDP port {port}: {error.strerror}; give --endpoint another port") from None
         ear.settimeout(0.2)
         thread = threading.Thread(target=answer, args=(ear, name, over), daemon=True)
         thread.start()

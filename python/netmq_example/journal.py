@@ -1,26 +1,26 @@
 """A journal of what a server has done: each request is done once, however often it arrives.
 
-    journal = Journal("lazy_pirate.sqlite3")             prints: journal lazy_pirate.sqlite3, balance 0
-    with journal.watched():
-        reply = journal.find(request_id) or journal.do(request_id, text, answer)
+    with Journal("mine.sqlite3", schema="CREATE TABLE IF NOT EXISTS stock (item TEXT, number INTEGER);") as journal:
+        with journal.watched():
+            reply = journal.find(request_id) or journal.do(request_id, text, answer)
 
-It is a SQLite file, which also has the account that this server keeps: delete it to begin at 0, while no server runs.
+It is a SQLite file, which also has the tables that `answer` changes.
 """
 
 import contextlib
+import logging
 import os
 import sqlite3
-from argparse import ArgumentTypeError
 from collections.abc import Callable, Iterator
 
 from netmq_example import check
+from netmq_example.errors import Error
+from netmq_example.one_process import OneProcess
 from netmq_example.replies import sendable, told
 
 # FULL: a commit is on the disk when it returns. NORMAL would survive kill -9 too, but not a power cut.
 SCHEMA = """
     PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL;
-    CREATE TABLE IF NOT EXISTS account (balance INTEGER NOT NULL);
-    INSERT INTO account SELECT 0 WHERE NOT EXISTS (SELECT * FROM account);
     CREATE TABLE IF NOT EXISTS journal (number INTEGER PRIMARY KEY, id BLOB UNIQUE NOT NULL, reply TEXT NOT NULL);
 """
 # An entry has to outlive the last try of its client, and no longer. So many entries take 11 MB.
@@ -33,37 +33,38 @@ MISTAKES = (sqlite3.SQLITE_ERROR, sqlite3.SQLITE_CONSTRAINT, sqlite3.SQLITE_MISM
 # What does the work of a request: your own.
 Answer = Callable[[sqlite3.Connection, str], str]
 
+log = logging.getLogger("netmq_example.server")
 
-class Journal:
-    """The requests that were done, by their ids, and the account that they change. Use it on one thread."""
 
-    def __init__(self, path: str) -> None:
-        """May be the type of an option: a journal that cannot be used is wrong usage."""
-        self.path = check.instance("path", path, str)
+class Journal(OneProcess):
+    """The requests that were done, by their ids. Use it on one thread."""
+
+    def __init__(self, path: str | os.PathLike[str], *, schema: str = "") -> None:
+        """A file, made if there is none. `schema` is SQL for the tables of your own, which may be there already.
+
+        Error: it cannot be used.
+        """
+        self.path = path = os.fspath(path)
         self.usable = True
         try:
             # To SQLite these names mean a journal in memory, which forgets.
             if path in ("", ":memory:"):
                 raise sqlite3.Error("it needs the name of a file")
             self.db = sqlite3.connect(path, timeout=LOCKED_SECONDS)
-            self.db.executescript(SCHEMA)
+            self.db.executescript(SCHEMA + check.instance("schema", schema, str))
             self.db.execute("SELECT number, id, reply FROM journal LIMIT 1")
-            balance = self.db.execute("SELECT balance FROM account").fetchone()[0]
-            if not isinstance(balance, int):
-                raise sqlite3.Error("its balance is no whole number")
         except sqlite3.Error as error:
-            raise ArgumentTypeError(f"cannot use the journal {path}: {error}; try --journal another.sqlite3") from None
+            raise Error(f"cannot use the journal {path}: {error}; try another file") from None
         self.opened = self.files()
-        print(f"journal {path}, balance {balance}", flush=True)
 
     @contextlib.contextmanager
     def watched(self) -> Iterator[None]:
-        """Around find() and do(): while the journal cannot be used they end this block, and it prints why, once."""
+        """Around find() and do(): while the journal cannot be used they end this block, and why is logged, once."""
         try:
             yield
         except sqlite3.Error as error:
             if self.usable:
-                print(f"cannot use the journal {self.path}: {error}; no replies until this is fixed", flush=True)
+                log.error("cannot use the journal %s: %s; no replies until this is fixed", self.path, error)
             self.usable = False
 
     def find(self, request_id: bytes) -> str:
@@ -102,7 +103,7 @@ class Journal:
             # A mistake in the work is reported to both sides, and ends neither; what it changed is taken back.
             return told(error)
         if not self.usable:
-            print(f"the journal {self.path} can be used again", flush=True)
+            log.info("the journal %s can be used again", self.path)
         self.usable = True
         return reply
 
@@ -119,3 +120,7 @@ class Journal:
             return [os.stat(self.path + end).st_ino for end in ("", "-wal")]
         except OSError:
             return []
+
+    def close(self) -> None:
+        """Close the file. Twice is once."""
+        self.db.close()

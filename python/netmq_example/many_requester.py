@@ -1,24 +1,29 @@
 """A client that keeps many requests under way, and gets each reply as soon as it is ready.
 
-    with zmq.Context() as context, contextlib.closing(ManyRequester(context, "tcp://127.0.0.1:5556")) as requester:
-        for number, reply, failure in requester.request_many(["echo one", "sleep 1", "echo two"]):
-            print(number, reply or failure)
+    with ManyRequester("tcp://127.0.0.1:5556") as requester:
+        for number, reply, error in requester.request_many(["echo one", "sleep 1", "echo two"]):
+            print(number, reply or error)
 
-Bytes: UTF-8 text, two frames each way, [id][text], at most 65,536 bytes each; the id is a number in digits, and a retry
-carries the same. The server is a ROUTER: a REP takes no message without REQ's empty frame. In C# it is
-ManyRequester.cs.
+Bytes: UTF-8 text, two frames each way, [id][text], at most 65,536 bytes each. Each request has an id that nobody else's
+has, NUMBER-NAME, and a retry carries the same. The server is a ROUTER: a REP takes no message without REQ's empty
+frame. In C# it is ManyRequester.cs.
 """
 
+import logging
 import time
+import uuid
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import zmq
 
 from netmq_example import check
 from netmq_example.beacon import cure
-from netmq_example.errors import longer, tried
+from netmq_example.errors import Error, MessageError, Refused, Timeout, longer, tried
+from netmq_example.former import positional
+from netmq_example.lazy_pirate import Keys
 from netmq_example.one_process import OneProcess, one_at_a_time
 from netmq_example.program import LARGEST_BYTES, Context, limit, text_of
 
@@ -26,6 +31,20 @@ from netmq_example.program import LARGEST_BYTES, Context, limit, text_of
 SLICE_SECONDS = 0.05
 # So many waiting messages are read at a time.
 MOST_MESSAGES = 1000
+
+log = logging.getLogger("netmq_example.client")
+
+
+class Outcome(NamedTuple):
+    """What became of a request, which is the first one where `number` is 1.
+
+    `reply` is the text as it came. `error` is None, or says why there is no reply; for one that begins with `error:`
+    it is Refused.
+    """
+
+    number: int
+    reply: str
+    error: Error | None
 
 
 @dataclass
@@ -42,27 +61,31 @@ class Pending:
 class ManyRequester(OneProcess):
     """Keeps up to `window` requests under way over one DEALER socket at a time. Use it on one thread."""
 
+    @positional("context", "endpoint", "window", "timeout", "tries", "report")
     def __init__(
         self,
-        context: Context,
         endpoint: str,
+        *,
         window: int = 64,
         timeout: float = 2.5,
         tries: int = 3,
-        report: Callable[[str], object] = print,
+        keys: Keys | None = None,
+        context: Context | None = None,
     ) -> None:
         """The first try waits `timeout` seconds for its reply, and each one after it twice as long, up to 8 times.
 
-        `report` is called with a line before each retry.
+        Each retry is logged as a warning. Without a context it takes pyzmq's own, zmq.Context.instance().
         """
-        self.context = check.not_closed("context", check.blocking("context", context, zmq.Context))
+        self.context: Context = check.context(context)
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5556")
         self.window = check.count("window", window)
         self.timeout = check.seconds("timeout", timeout)
         self.tries = check.count("tries", tries)
-        self.report = check.function("report", report)
+        self.keys = keys
+        self.report = log.warning
         # What is under way, by its id.
         self.pending: dict[bytes, Pending] = {}
+        self.name = uuid.uuid4().hex.encode()
         self.last_id = 0
         self.connect()
 
@@ -72,6 +95,8 @@ class ManyRequester(OneProcess):
         self.socket.rcvtimeo = int(SLICE_SECONDS * 1000)
         # The window is the limit of what is under way; no second one is needed.
         self.socket.sndhwm = 0
+        if self.keys:
+            self.keys.apply(self.socket)
         try:
             self.socket.connect(self.endpoint)
         except zmq.ZMQError:
@@ -80,11 +105,11 @@ class ManyRequester(OneProcess):
         self.heard = time.monotonic()
 
     def close(self) -> None:
+        """Close the socket. Twice is once."""
         self.socket.close()
 
-    @one_at_a_time
-    def request_many(self, texts: Iterable[str]) -> Iterator[tuple[int, str, str]]:
-        """Each request's number from 1 on, with its reply or the reason why there is none, in order of arrival.
+    def request_many(self, texts: Iterable[str]) -> Iterator[Outcome]:
+        """The outcome of each request, in order of arrival.
 
         It takes the next text when there is room for it, so `texts` may be endless; but what makes them must not wait:
         no reply is read meanwhile.
@@ -92,9 +117,13 @@ class ManyRequester(OneProcess):
         check.not_closed("this requester", self.socket)
         if isinstance(texts, str) or not isinstance(texts, Iterable):
             raise TypeError(f"texts takes a list of texts, not {texts!r:.40}")
+        return self.outcomes(texts)
+
+    @one_at_a_time
+    def outcomes(self, texts: Iterable[str]) -> Iterator[Outcome]:
         self.pending.clear()
         # Outcomes that the caller does not have yet: how long it takes for one is not the server's time.
-        outcomes: deque[tuple[int, str, str]] = deque()
+        outcomes: deque[Outcome] = deque()
         upcoming = enumerate(texts, 1)
         next_look = time.monotonic() + SLICE_SECONDS
         while True:
@@ -105,10 +134,11 @@ class ManyRequester(OneProcess):
                 encoded = check.instance("texts", text, str).encode(errors="replace")
                 # The server would disconnect a client that sends it, and all that is under way would be lost.
                 if len(encoded) > LARGEST_BYTES:
-                    yield number, "", f"not sent: {len(encoded)} bytes, and the limit is {LARGEST_BYTES}"
+                    why = f"not sent: {len(encoded)} bytes, and the limit is {LARGEST_BYTES}"
+                    yield Outcome(number, "", MessageError("too-big", why))
                     continue
                 self.last_id += 1
-                self.send(b"%d" % self.last_id, Pending(number, encoded, self.timeout))
+                self.send(b"%d-%b" % (self.last_id, self.name), Pending(number, encoded, self.timeout))
             if not self.pending and not outcomes:
                 return
             outcomes += self.arrived(not outcomes)
@@ -118,7 +148,7 @@ class ManyRequester(OneProcess):
             if outcomes:
                 yield outcomes.popleft()
 
-    def arrived(self, wait: bool) -> Iterator[tuple[int, str, str]]:
+    def arrived(self, wait: bool) -> Iterator[Outcome]:
         """The replies that are there; the first one may be waited for."""
         flags = 0 if wait else zmq.NOBLOCK
         # A server may send faster than this loop takes.
@@ -137,9 +167,11 @@ class ManyRequester(OneProcess):
             if frames[1].startswith(b"error: busy") and entry.attempt < self.tries:
                 continue
             del self.pending[frames[0]]
-            yield entry.number, text_of(frames[1]), ""
+            reply = text_of(frames[1])
+            refused = Refused("error", reply[6:].strip()) if reply.startswith("error:") else None
+            yield Outcome(entry.number, reply, refused)
 
-    def overdue(self) -> Iterator[tuple[int, str, str]]:
+    def overdue(self) -> Iterator[Outcome]:
         """A request that waits for too long is sent again with its old id, or given up."""
         now = time.monotonic()
         late = {key: entry for key, entry in self.pending.items() if entry.sent + entry.timeout <= now}
@@ -157,7 +189,8 @@ class ManyRequester(OneProcess):
             within = f"{entry.timeout:g} s"
             if entry.attempt == self.tries:
                 del self.pending[request_id]
-                yield entry.number, "", f"no reply in {tried(self.tries)} of up to {within}; {question}"
+                why = f"no reply in {tried(self.tries)} of up to {within}; {question}"
+                yield Outcome(entry.number, "", Timeout(why))
                 continue
             entry.timeout = longer(self.timeout, entry.attempt)
             entry.attempt += 1

@@ -1,38 +1,44 @@
 """A snapshot, then the stream: a subscriber that joins late or loses a message gets back to the publisher's state.
 
-    with zmq.Context() as context, context.socket(zmq.SUB) as stream:
-        subscriber = PoseSubscriber(stream, "tcp://127.0.0.1:5557")
+    with PoseSubscriber("tcp://127.0.0.1:5557") as subscriber:
         while True:
-            if subscriber.receive(timeout=5):
-                print(subscriber.pose.position)
+            if subscriber.receive():
+                print(subscriber.pose.position, subscriber.gaps)
 
 Bytes: UTF-8 text, one frame. The stream (PUB): `pose/ RUN NUMBER x y z qx qy qz qw`, a position in metres and a
 rotation as a quaternion; RUN is new with each start of the publisher, NUMBER counts its poses from 1. Snapshots (REP):
 `pose/` is answered with `CHECKSUM` and the last pose message, anything else with a text that begins with `error:`.
 
-TimeoutError is a publisher that is gone, GaveUp what gives no snapshots. The subscriber in C# is PoseSubscriber.cs.
+Timeout is a publisher that is gone, Error what gives no snapshots. The subscriber in C# is PoseSubscriber.cs.
 """
 
 import contextlib
-import math
+import logging
 import re
 import secrets
 import time
-from collections.abc import Callable
+from collections import deque
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import zmq
 
 from netmq_example import check
 from netmq_example.beacon import cure
-from netmq_example.errors import GaveUp
+from netmq_example.errors import Error, Timeout
+from netmq_example.former import positional
+from netmq_example.lazy_pirate import Keys
 from netmq_example.one_process import OneProcess
-from netmq_example.program import SLICE_MS, Socket, encoded, limit
+from netmq_example.program import SLICE_MS, Context, Socket, encoded, limit
 
 # After so much silence a subscriber asks for a snapshot: the message that was lost may have been the last one.
 SILENCE_SECONDS = 1.0
 # New connections without a pose after which the stream's port is taken for closed.
 MOST_CONNECTIONS = 5
+# So many of the newest gaps are kept.
+MOST_GAPS = 1000
+
+log = logging.getLogger("netmq_example.client")
 
 
 def snapshots_beside(endpoint: str) -> str:
@@ -43,22 +49,27 @@ def snapshots_beside(endpoint: str) -> str:
 
 
 class PosePublisher:
-    """A cube that goes round in circles, and the state that its messages add up to."""
+    """The messages of a stream of poses, and the state that they add up to."""
 
-    def __init__(self) -> None:
-        # Numbers begin anew with each start. By the run, number 5 of now differs from number 5 of then.
-        self.run = secrets.token_hex(4)
+    def __init__(self, *, run: str | None = None) -> None:
+        """`run` has 1 to 32 small letters and digits, new with each start: by default it is random."""
+        # By the run, number 5 of now differs from number 5 of then.
+        self.run = secrets.token_hex(4) if run is None else check.text("run", run)
         self.number = 0
         self.message = ""
         # The checksum stands for any state to which each message adds: one lost or taken twice, and it is another.
         self.checksum = 0
 
-    def step(self) -> str:
-        """The next message, counted in."""
+    def step(self, position: Sequence[float], rotation: Sequence[float]) -> str:
+        """The next message, counted in: a position x y z in metres, and a rotation as a quaternion x y z w."""
+        numbers = [check.number("position", value) for value in position]
+        numbers += [check.number("rotation", value) for value in rotation]
+        if len(position) != 3 or len(rotation) != 4:
+            raise ValueError(
+                f"a pose has 3 and 4 numbers, not {len(position)} and {len(rotation)}"
+            )
         self.number += 1
-        angle = self.number / 60
-        place = (2 * math.cos(angle), 0, 2 * math.sin(angle), 0, math.sin(-angle / 2), 0, math.cos(angle / 2))
-        self.message = f"pose/ {self.run} {self.number} " + " ".join(f"{value:.4f}" for value in place)
+        self.message = f"pose/ {self.run} {self.number} " + " ".join(f"{value:.4f}" for value in numbers)
         # Before it is counted in: nobody would ever get a longer one.
         encoded(self.message)
         self.checksum = added(self.checksum, self.message)
@@ -79,10 +90,20 @@ POSE = re.compile("pose/ ([0-9a-z]{1,32}) ([0-9]{1,18})" + r" (-?[0-9]{1,20}(?:\
 
 
 class Pose(NamedTuple):
+    """Pose `number` of a `run`, from 1: x y z in metres, and a quaternion x y z w."""
+
     run: str
     number: int
     position: tuple[float, ...]
     rotation: tuple[float, ...]
+
+
+class Gap(NamedTuple):
+    """Poses of a run that did not come, the `first` to the `last`. None: the run has ended, and nobody knows where."""
+
+    run: str
+    first: int
+    last: int | None
 
 
 def parse(message: str) -> Pose | None:
@@ -97,37 +118,54 @@ def parse(message: str) -> Pose | None:
 class PoseSubscriber(OneProcess):
     """Knows of each pose it missed. `pose` and `checksum` are what the publisher's were once it had sent that pose.
 
+    `missed` counts them, and `gaps` has the newest 1000 gaps. Use it on one thread.
     One rule: a pose that is not the next one calls for a snapshot. It cures joining late, loss and a restart alike.
     """
 
+    @positional("stream", "endpoint", "snapshots", "report")
     def __init__(
         self,
-        stream: Socket,
         endpoint: str,
+        *,
         snapshots: str = "",
-        report: Callable[[str], object] = print,
+        timeout: float = 5.0,
+        stream: Socket | None = None,
+        keys: Keys | None = None,
+        context: Context | None = None,
     ) -> None:
-        """The stream is a new SUB socket, which the caller closes; `report` gets a line about what was missed."""
-        self.stream = check.blocking("stream", stream, zmq.Socket)
+        """A snapshot may take `timeout` seconds. Its endpoint is that of the stream with a port 100 higher, unless you
+        give one. A SUB socket with options of your own goes in as `stream`, and is closed by you.
+        """
+        self.own_stream = stream is None
+        stream = check.context(context).socket(zmq.SUB) if stream is None else stream
+        self.stream: Socket = check.blocking("stream", stream, zmq.Socket)
+        self.timeout = check.seconds("timeout", timeout)
+        self.keys = keys
         if stream.type != zmq.SUB:
             raise ValueError(f"stream takes a SUB socket, not {stream.type!s:.40}")
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5557")
         self.snapshots = check.endpoint(snapshots or snapshots_beside(endpoint), "tcp://127.0.0.1:5657")
-        self.report = check.function("report", report)
+        self.report = log.info
         # No run has this name, so the first pose is not the next one.
         self.pose = Pose("", 0, (0, 0, 0), (0, 0, 0, 1))
         self.checksum = 0
         self.received = 0
         self.missed = 0
+        self.gaps: deque[Gap] = deque(maxlen=MOST_GAPS)
         self.connections = 0
         limit(stream)
+        if keys:
+            keys.apply(stream)
         stream.subscribe("pose/")
         stream.connect(self.endpoint)
 
-    def receive(self, timeout: float) -> bool:
-        """Wait for the next pose, and for a snapshot at most `timeout` seconds. False if there is none yet."""
+    def receive(self, timeout: float | None = None) -> bool:
+        """Wait for the next pose, and for a snapshot at most so many seconds. False if there is none yet.
+
+        Timeout: the publisher is gone. Error: what answers there gives no snapshots.
+        """
         self.check_process()
-        timeout = check.seconds("timeout", timeout)
+        timeout = self.timeout if timeout is None else check.seconds("timeout", timeout)
         end = time.monotonic() + 1
         while time.monotonic() < end:
             message = take(self.stream, SILENCE_SECONDS)
@@ -153,9 +191,11 @@ class PoseSubscriber(OneProcess):
             self.report(f"joined run {run} at {number}, checksum {self.checksum}")
         elif run != old.run:
             self.missed += number
+            self.gaps += [Gap(old.run, old.number + 1, None), Gap(run, 1, number)]
             self.report(f"missed run {old.run} from {old.number + 1} on, and run {run} up to {number}")
         elif number > old.number:
             self.missed += number - old.number
+            self.gaps.append(Gap(run, old.number + 1, number))
             self.report(f"missed {old.number + 1} to {number}")
         if silent and self.pose != old and not self.stream.poll(0):
             self.connect_again()
@@ -165,7 +205,7 @@ class PoseSubscriber(OneProcess):
         """The publisher goes on and nothing comes: where another program had the port, libzmq connects no more."""
         self.connections += 1
         if self.connections > MOST_CONNECTIONS:
-            raise TimeoutError(f"no pose came over {self.endpoint}; is that the publisher, and its port open?")
+            raise Timeout(f"no pose came over {self.endpoint}; is that the publisher, and its port open?")
         self.stream.disconnect(self.endpoint)
         self.stream.connect(self.endpoint)
 
@@ -177,6 +217,8 @@ class PoseSubscriber(OneProcess):
             # Each try has a new socket, as in lesson 02, and more time: a new connection takes four round trips.
             with self.stream.context.socket(zmq.REQ) as socket:
                 limit(socket)
+                if self.keys:
+                    self.keys.apply(socket)
                 socket.connect(self.snapshots)
                 socket.send_string("pose/")
                 text = take(socket, min(wait, left))
@@ -186,10 +228,16 @@ class PoseSubscriber(OneProcess):
                 if pose and re.fullmatch("[0-9]{1,10}", checksum) and int(checksum) < 2**32:
                     return int(checksum), pose
                 question = "is that lesson 07's second port?"
-                raise GaveUp(f"what answers at {self.snapshots} gives no snapshots: {text!r:.80}; {question}")
+                why = f"what answers at {self.snapshots} gives no snapshots: {text!r:.80}; {question}"
+                raise Error(why)
             wait *= 4
         why = cure(self.snapshots, "is the server running?")
-        raise TimeoutError(f"no snapshot from {self.snapshots} within {timeout:g} s; {why}")
+        raise Timeout(f"no snapshot from {self.snapshots} within {timeout:g} s; {why}")
+
+    def close(self) -> None:
+        """Close the stream, unless it was the caller's. Twice is once."""
+        if self.own_stream:
+            self.stream.close()
 
 
 def take(socket: Socket, timeout: float) -> str | None:

@@ -52,7 +52,7 @@ MOST_FILES = 8192
 LEAST_FILES = 32
 # The port is taken, most often by an older start of the same server.
 IN_USE = "end the server that has it in another terminal"
-LOOPBACK = re.compile(r"tcp://(localhost|127\.[\d.]+):")
+LOOPBACK = re.compile(r"tcp://(localhost|127\.[\d.]+):|(ipc|inproc)://")
 
 
 class Options(argparse.ArgumentParser):
@@ -106,9 +106,10 @@ def listening(
     own `endpoint`, and another `word` in its line; without a word there is no line.
     """
     endpoint = endpoint or options.endpoint
-    if not (LOOPBACK.match(endpoint) or options.open_to_anyone or getattr(options, "keys", None)):
-        cure = "who could end it; use lesson 15's keys, or add --open-to-anyone"
-        print(f"refused: '{endpoint}' would let anyone in, {cure}", file=sys.stderr)
+    try:
+        not_for_anyone(endpoint, options.open_to_anyone or getattr(options, "keys", None), "add --open-to-anyone")
+    except ValueError as error:
+        print(f"refused: {error}", file=sys.stderr)
         sys.exit(2)
     with zmq.Context() as context, context.socket(kind) as socket:
         limit(socket, largest)
@@ -120,6 +121,12 @@ def listening(
             if word:
                 print(f"{word} on {bound}", flush=True)
             yield socket
+
+
+def not_for_anyone(endpoint: str, allowed: Any, cure: str = "say open_to_anyone=True") -> None:
+    """ValueError for a server's endpoint that other machines reach, unless it is allowed."""
+    if not (LOOPBACK.match(endpoint) or allowed):
+        raise ValueError(f"'{endpoint}' would let anyone in, who could end it; use lesson 15's keys, or {cure}")
 
 
 def bind(socket: Socket, endpoint: str, cure: str = "tcp://127.0.0.1:0 takes a free port") -> str:

@@ -11,13 +11,17 @@ import functools
 import json
 import logging
 import traceback
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Sized
+from typing import Any, TypeVar
 
 from netmq_example.console import printable
 from netmq_example.json_text import shallow
 from netmq_example.program import encoded, text_of
 from netmq_example.trouble import Trouble
+
+T = TypeVar("T", bound=Sized)
+
+log = logging.getLogger("netmq_example.server")
 
 
 def reply_to(answer: Callable[[str], str], request: bytes) -> bytes:
@@ -26,6 +30,15 @@ def reply_to(answer: Callable[[str], str], request: bytes) -> bytes:
         return sendable(answer(text_of(request)))
     except Exception as error:
         return encoded(told(error))
+
+
+def envelope(frames: list[T]) -> tuple[list[T], list[T]]:
+    """What a ROUTER received, apart: the way back to the client, and the frames of its request.
+
+    REQ puts an empty frame between the two, which REP keeps out of sight; a DEALER has none.
+    """
+    body = 2 if len(frames) > 2 and not len(frames[1]) else 1
+    return frames[:body], frames[body:]
 
 
 def sendable(text: str) -> bytes:
@@ -38,7 +51,6 @@ def sendable(text: str) -> bytes:
         raise Misfit(f"answer returned what cannot be sent: {error}") from None
 
 
-log = logging.getLogger("netmq_example.server")
 # Each mistake that was made, by its place in the code. Each has its own line a second.
 again: dict[tuple[object, ...], Trouble] = {}
 

@@ -1,20 +1,26 @@
 """A listener to whatever is published under a topic: each message, or only the newest.
 
-    with zmq.Context() as context, context.socket(zmq.SUB) as socket:
-        listener = TopicListener(socket, "tcp://127.0.0.1:5553", "pose/")
-        print(listener.receive(timeout=5))
+    with TopicListener("tcp://127.0.0.1:5553", "pose/") as listener:
+        for text in listener:
+            print(text)
 
 Bytes: UTF-8 text, which begins with its topic. Of a message of several frames the text is that of all, with a blank
 between them; receive_frames() hands them over apart, as bytes. In C# it is TopicListener.cs.
 """
 
+import threading
 import time
+from collections.abc import Iterator
 
 import zmq
 
 from netmq_example import check
 from netmq_example.beacon import LOOK_UP_SECONDS, BeaconSearch
-from netmq_example.program import SLICE_MS, Socket, limit, text_of
+from netmq_example.errors import Closed, Timeout
+from netmq_example.former import positional
+from netmq_example.lazy_pirate import Keys
+from netmq_example.one_process import OneProcess
+from netmq_example.program import SLICE_MS, Context, Socket, limit, text_of
 
 # A silent publisher, such as a laptop that sleeps, is asked so often, and gets a new connection, for which libzmq looks
 # its name up again, if it does not answer for so long. The two together are less than the 5 s a client waits.
@@ -26,14 +32,38 @@ RENEW_SECONDS = 2.0
 MOST_MESSAGES = 10_000
 
 
-class TopicListener:
-    """Every message that begins with a topic. Messages from before the publisher knew of this listener are lost."""
+class TopicListener(OneProcess):
+    """Every message that begins with a topic. Messages from before the publisher knew of this listener are lost.
 
-    def __init__(self, socket: Socket, endpoint: str, topic: str) -> None:
-        """The socket is a new SUB socket, which the caller closes; an empty topic means every message."""
-        self.socket = check.not_closed("socket", check.blocking("socket", socket, zmq.Socket))
+    Use it on one thread; only stop() may be called on any.
+    """
+
+    @positional("socket", "endpoint", "topic")
+    def __init__(
+        self,
+        endpoint: str,
+        topic: str = "",
+        *,
+        timeout: float = 5.0,
+        high_watermark: int = 1000,
+        socket: Socket | None = None,
+        keys: Keys | None = None,
+        context: Context | None = None,
+    ) -> None:
+        """An empty topic means every message. It waits `timeout` seconds for one, and `high_watermark` messages may
+        wait here. A SUB socket with options of your own goes in as `socket`, and is closed by you.
+        """
+        self.own_socket = socket is None
+        self.timeout = check.seconds_or_none("timeout", timeout)
+        if socket is None:
+            socket = check.context(context).socket(zmq.SUB)
+            socket.rcvhwm = check.count("high_watermark", high_watermark, least=0)
+        self.socket: Socket = check.not_closed("socket", check.blocking("socket", socket, zmq.Socket))
         if socket.type != zmq.SUB:
             raise ValueError("socket takes a SUB socket")
+        if keys:
+            keys.apply(socket)
+        self.stopped = threading.Event()
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5553", beacon=True)
         self.search = BeaconSearch(endpoint)
         # The address that it is connected to, and whether it looks for a new one.
@@ -48,17 +78,29 @@ class TopicListener:
         socket.subscribe(topic.encode(errors="replace"))
         self.look()
 
-    def receive(self, timeout: float) -> str:
-        """Wait so many seconds for the next message, and hand over its text; TimeoutError if none comes."""
+    def __iter__(self) -> Iterator[str]:
+        """The text of each message until stop() or close(). Timeout if none comes."""
+        while not self.stopped.is_set():
+            try:
+                text = self.receive()
+            except Closed:
+                return
+            yield text
+
+    def receive(self, timeout: float | None = None) -> str:
+        """The text of the next message. Timeout if none comes within so many seconds, or the listener's own."""
         return " ".join(map(text_of, self.receive_frames(timeout)))
 
-    def receive_frames(self, timeout: float) -> list[bytes]:
+    def receive_frames(self, timeout: float | None = None) -> list[bytes]:
         """The same with its frames as they came, such as a topic and a picture."""
-        timeout = check.seconds_or_none("timeout", timeout)
+        self.check_process()
+        timeout = self.timeout if timeout is None else check.seconds_or_none("timeout", timeout)
         check.not_closed("this listener's socket", self.socket)
         start = time.monotonic()
         renew = RENEW_SECONDS
         while True:
+            if self.stopped.is_set():
+                raise Closed("the listener was stopped")
             if self.looking:
                 self.look()
             try:
@@ -72,7 +114,7 @@ class TopicListener:
                 # A look-up takes its time, which is none of whoever waits for less.
                 if self.search.name or timeout >= LOOK_UP_SECONDS:
                     why = self.search.cure(why)
-                raise TimeoutError(f"nothing from {self.endpoint} within {timeout:g} s; {why}")
+                raise Timeout(f"nothing from {self.endpoint} within {timeout:g} s; {why}")
             if waited >= renew and (self.search.name or not self.heard):
                 self.looking = True
                 renew *= 3
@@ -91,7 +133,7 @@ class TopicListener:
         self.socket.connect(where)
         self.where = where
 
-    def newest(self, timeout: float) -> str:
+    def newest(self, timeout: float | None = None) -> str:
         """Wait for a message, then take all that are queued behind it: only the last one counts."""
         frames = self.receive_frames(timeout)
         try:
@@ -100,3 +142,14 @@ class TopicListener:
         except zmq.Again:
             pass
         return " ".join(map(text_of, frames))
+
+    def stop(self) -> None:
+        """On any thread: end the receive under way, and every later one, by Closed."""
+        self.stopped.set()
+
+    def close(self) -> None:
+        """Close the socket, unless it was the caller's. Twice is once."""
+        self.stop()
+        self.search.close()
+        if self.own_socket:
+            self.socket.close()

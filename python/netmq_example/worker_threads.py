@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterator
 from queue import SimpleQueue
 from socket import socketpair
 from threading import Thread
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 from netmq_example import check
 from netmq_example.replies import reply_to
@@ -28,25 +28,31 @@ MOST_THREADS = 256
 class WorkerThreads(Generic[Key]):
     """So many threads, each of which answers one request at a time."""
 
-    def __init__(self, number: int, answer: Callable[[str], str]) -> None:
-        """`answer` makes the reply; an exception in it becomes the reply `error: …`, and its traceback is printed."""
+    def __init__(
+        self, number: int, answer: Callable[[Any], Any], reply: Callable[[Callable[[Any], Any], Any], Any] = reply_to
+    ) -> None:
+        """`answer` makes the reply; an exception in it becomes the reply `error: …`, and its traceback is logged.
+
+        `reply` calls it with a request of another form than bytes.
+        """
         self.number = check.count("number", number, most=MOST_THREADS)
         self.answer = check.function("answer", answer)
+        self.reply = reply
         self.closed = False
-        self.requests: SimpleQueue[tuple[Key, bytes] | None] = SimpleQueue()
-        self.replies: SimpleQueue[tuple[Key, bytes]] = SimpleQueue()
+        self.requests: SimpleQueue[tuple[Key, Any] | None] = SimpleQueue()
+        self.replies: SimpleQueue[tuple[Key, Any]] = SimpleQueue()
         # One byte through this pair for each reply wakes the thread with the ZeroMQ socket, on every system.
         self.wake_reader, self.wake_writer = socketpair()
         for _ in range(self.number):
             # Ctrl-C ends these whatever they do. A ThreadPoolExecutor would first wait for what is at work.
-            Thread(target=self._work, daemon=True).start()
+            Thread(target=self._work, name="netmq_example worker", daemon=True).start()
 
-    def begin(self, key: Key, request: bytes) -> None:
+    def begin(self, key: Key, request: Any) -> None:
         """Have a worker answer this request; any number may wait for one."""
         check.not_closed("this pool of workers", self)
-        self.requests.put((key, check.instance("request", request, bytes)))
+        self.requests.put((key, check.instance("request", request, bytes if self.reply is reply_to else object)))
 
-    def finished(self) -> Iterator[tuple[Key, bytes]]:
+    def finished(self) -> Iterator[tuple[Key, Any]]:
         """The replies that are there, each with the key of its request."""
         check.not_closed("this pool of workers", self)
         while not self.replies.empty():
@@ -64,7 +70,7 @@ class WorkerThreads(Generic[Key]):
     def _work(self) -> None:
         while (entry := self.requests.get()) and not self.closed:
             key, request = entry
-            self.replies.put((key, reply_to(self.answer, request)))
+            self.replies.put((key, self.reply(self.answer, request)))
             # Closed meanwhile, nobody wants it.
             with contextlib.suppress(OSError):
                 self.wake_writer.send(b"!")

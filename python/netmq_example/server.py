@@ -1,0 +1,231 @@
+"""A server of your own: a function that answers, over an endpoint.
+
+    def answer(text: str) -> str:
+        return text.upper()
+
+    serve(answer, "tcp://127.0.0.1:5554")               until Ctrl-C
+
+    with Server(answer) as server:                      on a thread of its own, and on a free port: for a test
+        LazyPirate(server.endpoint).request("hello")
+
+Clients of lessons 01, 02, 04 and 06 can ask it, and with `messages` those of lesson 05. A mistake in `answer` is
+logged, and its client gets it as an error.
+"""
+
+import contextlib
+import logging
+import socket as sockets
+import threading
+from collections import OrderedDict
+from collections.abc import Callable
+from typing import Any, Protocol, Self, TypedDict, Unpack
+
+import zmq
+
+from netmq_example import check
+from netmq_example.beacon import answering
+from netmq_example.errors import Closed, MessageError
+from netmq_example.messages import LIMIT, Message, message_reply
+from netmq_example.one_process import OneProcess, one_at_a_time
+from netmq_example.program import (
+    LARGEST_BYTES,
+    SLICE_MS,
+    Context,
+    Socket,
+    bind,
+    few_answers_wait,
+    limit,
+    not_for_anyone,
+)
+from netmq_example.replies import envelope, reply_to
+from netmq_example.worker_threads import WorkerThreads
+
+# So many requests are read at a time, and so many may be at work or wait for a worker. More are refused at once.
+MOST_MESSAGES = 100
+MOST_BEGUN = 256
+# An id of so many bytes is taken to be nobody else's. A shorter one, such as 1, is its connection's.
+LEAST_UNIQUE = 16
+CLOSE_SECONDS = 5.0
+
+log = logging.getLogger("netmq_example.server")
+
+
+class ServerKeys(Protocol):
+    """AllowList of netmq_example.security: only clients whose keys it has may come in."""
+
+    def answer(self, context: Context) -> None: ...
+    def guard(self, socket: Socket) -> None: ...
+    def name_of(self, frame: zmq.Frame) -> str: ...
+
+
+class Server(OneProcess):
+    """Answers over a ROUTER socket: on a thread of its own by `with`, or on this one by run().
+
+    close() may be called on any thread. It ends the server at once, or when the answer under way is made.
+    """
+
+    def __init__(
+        self,
+        answer: Callable[[Any], Any],
+        endpoint: str = "tcp://127.0.0.1:0",
+        *,
+        messages: bool = False,
+        workers: int = 0,
+        remember: int = 1000,
+        keys: ServerKeys | None = None,
+        open_to_anyone: bool = False,
+        beacon: str | None = None,
+        context: Context | None = None,
+    ) -> None:
+        """It listens from now on. Port 0 takes a free one, and `endpoint` says which. ListenError: it is taken.
+
+        `answer` takes a text and returns one, or with `messages` a Message and a Message. Without `workers` it runs on
+        the server's thread, one request after the other; else on so many threads. A request that is sent again, with
+        the same id, is not done twice, as long as it is among the last to `remember`. Only programs of this machine may
+        ask, unless there are `keys`, or it is `open_to_anyone`; by its `beacon`'s name clients can look for it.
+        """
+        self.answer = check.function("answer", answer)
+        self.messages = messages
+        self.remember = check.count("remember", remember, least=0)
+        self.keys = keys
+        not_for_anyone(check.endpoint(endpoint, "tcp://127.0.0.1:5554", lowest_port=0), open_to_anyone or keys)
+        self.workers: WorkerThreads[Any] | None = None
+        # The answers of the last requests, and the way back to whoever asks for one that is at work.
+        self.known: OrderedDict[Any, list[Any]] = OrderedDict()
+        self.begun: dict[Any, list[Any]] = {}
+        self.stopped = threading.Event()
+        self.thread: threading.Thread | None = None
+        with contextlib.ExitStack() as stack:
+            if keys and context is None:
+                # libzmq asks one authenticator in each context.
+                context = stack.enter_context(zmq.Context())
+            context = check.context(context)
+            self.socket: Socket = stack.enter_context(context.socket(zmq.ROUTER))
+            limit(self.socket, 4 * LIMIT if messages else LARGEST_BYTES)
+            if messages:
+                few_answers_wait(context, self.socket)
+            if keys:
+                keys.answer(context)
+                keys.guard(self.socket)
+            self.endpoint = bind(self.socket, endpoint)
+            stack.enter_context(answering(beacon, self.endpoint))
+            # A byte through this pair wakes the thread with the ZeroMQ socket, on every system.
+            self.wake_reader, self.wake_writer = map(stack.enter_context, sockets.socketpair())
+            if workers:
+                self.workers = WorkerThreads(workers, answer, self.made)
+                stack.callback(self.workers.close)
+            self.stack = stack.pop_all()
+        log.info("listening on %s", self.endpoint)
+
+    def run(self) -> None:
+        """Answer until close(), or until Ctrl-C, which it passes on. Closed: it was closed before."""
+        if self.stopped.is_set():
+            raise Closed("this server is closed: make a new one")
+        self.serve()
+
+    @one_at_a_time
+    def serve(self) -> None:
+        poller = zmq.Poller()
+        for each in filter(None, (self.socket, self.wake_reader, self.workers)):
+            poller.register(each, zmq.POLLIN)
+        with self.stack:
+            while not self.stopped.is_set():
+                # With a limit: on Windows Ctrl-C is heard only between two waits.
+                poller.poll(SLICE_MS)
+                for key, reply in self.workers.finished() if self.workers else ():
+                    self.done(key, self.begun.pop(key), reply)
+                with contextlib.suppress(zmq.Again):
+                    for _ in range(MOST_MESSAGES):
+                        self.take(self.socket.recv_multipart(zmq.NOBLOCK, copy=not (self.messages or self.keys)))
+                        if self.stopped.is_set():
+                            break
+
+    def take(self, frames: list[Any]) -> None:
+        if self.keys and not self.keys.name_of(frames[-1]):
+            self.send(envelope(frames)[0], self.refusal("refused", "your key is not on the list, or not any more"))
+            return
+        if not self.messages and self.keys:
+            frames = [frame.bytes for frame in frames]
+        way, body = envelope(frames)
+        # An object of its own, which no other request has.
+        key: Any = object()
+        if not self.messages and len(body) != 1:
+            if len(body) != 2:
+                self.send(way, self.refusal("bad-frames", "expected [text] or [id][text]"))
+                return
+            id, text = body
+            way, body = [*way, id], [text]
+            key = ("" if len(id) >= LEAST_UNIQUE else way[0], id, text)
+        if key in self.known:
+            self.send(way, self.known[key])
+        elif not self.workers:
+            self.done(key, way, self.made(self.answer, body))
+        elif key in self.begun or len(self.begun) < MOST_BEGUN:
+            if key not in self.begun:
+                self.workers.begin(key, body)
+            # The newest one: where a try before it came from, nobody listens any more.
+            self.begun[key] = way
+        else:
+            self.send(way, self.refusal("busy", "busy, try again later"))
+
+    def made(self, answer: Callable[[Any], Any], body: list[Any]) -> list[Any]:
+        """The frames of the reply."""
+        return message_reply(answer, body)[2] if self.messages else [reply_to(answer, body[0])]
+
+    def refusal(self, code: str, text: str) -> list[Any]:
+        if self.messages:
+            return Message.refusal(MessageError(code, text)).frames()
+        return [f"error: {text}".encode()]
+
+    def done(self, key: Any, way: list[Any], reply: list[Any]) -> None:
+        if isinstance(key, tuple) and self.remember:
+            self.known[key] = reply
+            if len(self.known) > self.remember:
+                self.known.popitem(last=False)
+        self.send(way, reply)
+
+    def send(self, way: list[Any], reply: list[Any]) -> None:
+        log.debug("%s: %s", self.endpoint, reply)
+        # It never waits: ROUTER drops the reply to a client that has gone, or does not read.
+        self.socket.send_multipart([*way, *reply], zmq.NOBLOCK, copy=not self.messages)
+
+    def __enter__(self) -> Self:
+        self.check_process()
+        if self.thread:
+            raise RuntimeError("this server has a thread already: make a second server")
+        self.thread = threading.Thread(target=self.serve, name=f"netmq_example {self!r}", daemon=True)
+        self.thread.start()
+        return self
+
+    def close(self) -> None:
+        """End it, and give the port back. Twice is once."""
+        self.stopped.set()
+        with contextlib.suppress(OSError):
+            self.wake_writer.send(b"!")
+        if self.thread and self.thread is not threading.current_thread():
+            self.thread.join(CLOSE_SECONDS)
+            if self.thread.is_alive():
+                log.warning("%s is closed when its answer under way is made", self.endpoint)
+        elif self.at_work.acquire(blocking=False):
+            # Nobody runs it, who would close it at the end.
+            self.stack.close()
+            self.at_work.release()
+
+
+class ServerOptions(TypedDict, total=False):
+    """What serve() takes as Server does."""
+
+    messages: bool
+    workers: int
+    remember: int
+    keys: ServerKeys | None
+    open_to_anyone: bool
+    beacon: str | None
+    context: Context | None
+
+
+def serve(answer: Callable[[Any], Any], endpoint: str, **options: Unpack[ServerOptions]) -> None:
+    """Answer over this endpoint until Ctrl-C, which ends it without a traceback. The options are those of Server."""
+    server = Server(answer, endpoint, **options)
+    with contextlib.suppress(KeyboardInterrupt), contextlib.closing(server):
+        server.run()
