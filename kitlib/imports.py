@@ -43,14 +43,14 @@ def file_of(module: str, importer: Path) -> Path | None:
 
 @functools.cache
 def origin(module: str, name: str, importer: Path) -> str:
-    """The module that `from module import name` needs: the class's own, where an `__init__` only lends it."""
+    """The module that `from module import name` needs: its own, where an `__init__` only lends it."""
     if file_of(f"{module}.{name}", importer):
         return f"{module}.{name}"
     file = file_of(module, importer)
     if file and file.name == "__init__.py":
-        for path in (file, *sorted(file.parent.glob("*.py"))):
-            if re.search(rf"^(class|def) {name}\b", path.read_text(encoding="utf-8"), re.MULTILINE):
-                return module if path == file else f"{module}.{path.stem}"
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and name in [each.name for each in node.names]:
+                return origin(str(node.module), name, importer)
     return module
 
 

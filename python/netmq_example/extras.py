@@ -18,8 +18,8 @@ def needed(*modules: str) -> None:
 
 
 def without(error: ImportError) -> ImportError:
-    """The same with its cure, which is another one where the package is there and broken."""
-    if not isinstance(error, ModuleNotFoundError):
+    """The same with its cure, unless it has one. Where the package is there and broken, it needs another one."""
+    if not isinstance(error, ModuleNotFoundError) or ": " in str(error):
         return error
     package = str(error.name).partition(".")[0]
     return ModuleNotFoundError(f"{error}: {pip_install(ON_PYPI.get(package, package))}", name=error.name)

@@ -72,6 +72,7 @@ def small(tmp_path, monkeypatch):
         "netmq_example/two.py": "import nothing_of_the_kit",
         "netmq_example/envs/__init__.py": (
             "from netmq_example import one\n\nNAMES = ['netmq_example.envs.gym:Env']\n\n\n"
+            "if TYPE_CHECKING:\n    from netmq_example.envs.gym import Env\n\n\n"
             "def __getattr__(name):\n    from netmq_example.envs.lazy import Lazy\n"
         ),
         "netmq_example/envs/lazy.py": "",
