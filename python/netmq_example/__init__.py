@@ -1,9 +1,89 @@
-"""Unity talks to Python over ZeroMQ: what one keeps of the kit's lessons, a module or a folder for each subject."""
+"""Unity talks to Python over ZeroMQ. These are the names that stay; other modules may change between versions.
+
+    from netmq_example import BackgroundClient, serve
+
+A name is loaded when it is first used. All of them need pyzmq alone; `Array.numpy` and `Array.of` need numpy. Others
+are at doors of their own: netmq_example.envs, .sb3, .video, .camera, .security and .program.
+"""
 
 import sys
+from typing import TYPE_CHECKING
 
 if sys.version_info < (3, 11):
     sys.exit(
         "netmq_example needs Python 3.11 or later, this is %d.%d: get one from https://www.python.org,"
         " and then open a new terminal" % sys.version_info[:2]
     )
+
+from netmq_example.doors import door
+
+if TYPE_CHECKING:
+    from netmq_example.background_client import BackgroundClient
+    from netmq_example.camera.client import Action, DriverClient
+    from netmq_example.errors import Closed, Error, Lost, MessageError, Refused, Timeout
+    from netmq_example.jobs.client import JobClient
+    from netmq_example.jobs.jobs import Jobs
+    from netmq_example.journal import Journal
+    from netmq_example.lazy_pirate import LazyPirate
+    from netmq_example.many_requester import ManyRequester
+    from netmq_example.message_requester import MessageRequester
+    from netmq_example.messages import Array, Message, message_reply
+    from netmq_example.pose_stream import Pose, PosePublisher, PoseSubscriber
+    from netmq_example.publisher import Publisher
+    from netmq_example.replies import json_answer, reply_to
+    from netmq_example.server import Server, serve
+    from netmq_example.topic_listener import TopicListener
+
+__version__ = "0.3.0"
+__all__ = [
+    "Action",
+    "Array",
+    "BackgroundClient",
+    "Closed",
+    "DriverClient",
+    "Error",
+    "JobClient",
+    "Jobs",
+    "Journal",
+    "LazyPirate",
+    "Lost",
+    "ManyRequester",
+    "Message",
+    "MessageError",
+    "MessageRequester",
+    "Pose",
+    "PosePublisher",
+    "PoseSubscriber",
+    "Publisher",
+    "Refused",
+    "Server",
+    "Timeout",
+    "TopicListener",
+    "__version__",
+    "json_answer",
+    "message_reply",
+    "reply_to",
+    "serve",
+]
+
+# Hidden from a type checker, to which any name would exist.
+if not TYPE_CHECKING:
+    _ROOMS = {
+        "background_client": "BackgroundClient",
+        "camera.client": "Action DriverClient",
+        "errors": "Closed Error Lost MessageError Refused Timeout",
+        "jobs.client": "JobClient",
+        "jobs.jobs": "Jobs",
+        "journal": "Journal",
+        "lazy_pirate": "LazyPirate",
+        "many_requester": "ManyRequester",
+        "message_requester": "MessageRequester",
+        "messages": "Array Message message_reply",
+        "pose_stream": "Pose PosePublisher PoseSubscriber",
+        "publisher": "Publisher",
+        "replies": "json_answer reply_to",
+        "server": "Server serve",
+        "topic_listener": "TopicListener",
+    }
+    _NAMES = {name: f"netmq_example.{room}" for room, names in _ROOMS.items() for name in names.split()}
+    __getattr__, __dir__ = door(__name__, _NAMES)

@@ -9,8 +9,8 @@
     if not TYPE_CHECKING:
         __getattr__, __dir__ = door(__name__, {"DriverClient": "netmq_example.camera.client"})
 
-A copy of a lesson has only the modules that it needs. A name of another one is an AttributeError there, as help(), dir()
-and hasattr() expect it. A package that is missing is an ImportError with its cure.
+A copy of a lesson has only the modules that it needs. A name of another one is an AttributeError there, as help(),
+dir() and hasattr() expect it. A package that is missing is an ImportError with its cure.
 """
 
 import importlib

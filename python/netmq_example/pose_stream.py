@@ -65,9 +65,7 @@ class PosePublisher:
         numbers = [check.number("position", value) for value in position]
         numbers += [check.number("rotation", value) for value in rotation]
         if len(position) != 3 or len(rotation) != 4:
-            raise ValueError(
-                f"a pose has 3 and 4 numbers, not {len(position)} and {len(rotation)}"
-            )
+            raise ValueError(f"a pose has 3 and 4 numbers, not {len(position)} and {len(rotation)}")
         self.number += 1
         self.message = f"pose/ {self.run} {self.number} " + " ".join(f"{value:.4f}" for value in numbers)
         # Before it is counted in: nobody would ever get a longer one.

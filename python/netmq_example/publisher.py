@@ -7,6 +7,7 @@ Bytes: a text is one frame, `news/ hello`, as TopicListener reads it. Bytes, and
 topic as frames of their own. A listener that is late or too slow misses them.
 """
 
+import contextlib
 import logging
 
 import zmq
@@ -33,13 +34,13 @@ class Publisher(OneProcess):
         Only programs of this machine may listen, unless it is `open_to_anyone`.
         """
         not_for_anyone(check.endpoint(endpoint, "tcp://127.0.0.1:5553", lowest_port=0), open_to_anyone)
-        self.socket: Socket = check.context(context).socket(zmq.PUB)
-        limit(self.socket, LARGEST_BYTES)
-        try:
+        with contextlib.ExitStack() as stack:
+            # The end of a context of its own waits until the port is free.
+            context = check.context(context) if context else stack.enter_context(zmq.Context())
+            self.socket: Socket = stack.enter_context(context.socket(zmq.PUB))
+            limit(self.socket, LARGEST_BYTES)
             self.endpoint = bind(self.socket, endpoint)
-        except BaseException:
-            self.socket.close()
-            raise
+            self.stack = stack.pop_all()
         log.info("publishing on %s", self.endpoint)
 
     def send(self, topic: str, body: str | bytes | Message) -> None:
@@ -55,5 +56,5 @@ class Publisher(OneProcess):
         self.socket.send_multipart(frames)
 
     def close(self) -> None:
-        """Close the socket. Twice is once."""
-        self.socket.close()
+        """Give the port back. Twice is once."""
+        self.stack.close()

@@ -96,10 +96,8 @@ class Server(OneProcess):
         self.stopped = threading.Event()
         self.thread: threading.Thread | None = None
         with contextlib.ExitStack() as stack:
-            if keys and context is None:
-                # libzmq asks one authenticator in each context.
-                context = stack.enter_context(zmq.Context())
-            context = check.context(context)
+            # The end of a context of its own waits until the port is free; and libzmq asks one authenticator in each.
+            context = check.context(context) if context else stack.enter_context(zmq.Context())
             self.socket: Socket = stack.enter_context(context.socket(zmq.ROUTER))
             limit(self.socket, 4 * LIMIT if messages else LARGEST_BYTES)
             if messages:
