@@ -129,7 +129,7 @@ class LazyPirate(OneProcess):
             # A REQ socket that waits for a reply refuses to send. A new one may, on a new connection.
             if not is_reply(frames, request):
                 self.close_socket()
-        if not is_reply(frames, request) and time.monotonic() < end:
+        if not is_reply(frames, request) and time.monotonic() < min(end, until()):
             self.stopped.wait(PAUSE_SECONDS)
         return frames
 

@@ -1,0 +1,96 @@
+"""The front door: what `import netmq_example` gives to a program of one's own."""
+
+import builtins
+import pickle
+import subprocess
+import sys
+
+import pytest
+import zmq
+
+import netmq_example
+from netmq_example import errors
+from tests.programs import LIMIT, ROOT, steady_endpoint
+
+ALONE = """
+import sys
+class Missing:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] not in {"zmq", "netmq_example", *sys.stdlib_module_names}:
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+sys.meta_path.insert(0, Missing())
+before = set(sys.modules)
+import netmq_example
+print(*sorted(set(sys.modules) - before))
+import pydoc
+text = pydoc.plain(pydoc.render_doc(netmq_example))
+print(*(name for name in netmq_example.__all__ if name not in text or not getattr(netmq_example, name)))
+"""
+
+
+def test_it_loads_nothing_and_needs_pyzmq_alone():
+    words = [sys.executable, "-c", ALONE]
+    done = subprocess.run(words, cwd=ROOT / "python", capture_output=True, text=True, timeout=LIMIT, check=False)
+    assert done.returncode == 0, done.stderr
+    loaded, lacking = done.stdout.split("\n")[:2]
+    assert {name for name in loaded.split() if "netmq_example" in name or "zmq" in name} == {
+        "netmq_example",
+        "netmq_example.doors",
+    }
+    assert lacking == ""
+
+
+def test_there_are_28_names_and_no_others():
+    assert len(netmq_example.__all__) == 28
+    assert set(netmq_example.__all__) <= set(dir(netmq_example))
+    with pytest.raises(AttributeError, match=r"^module 'netmq_example' has no attribute 'Nonsense'$"):
+        _ = netmq_example.Nonsense
+
+
+@pytest.mark.parametrize(
+    ("made", "builtin"),
+    [
+        (errors.Timeout("nothing came"), TimeoutError),
+        (errors.Refused("busy", "try again", 7), Exception),
+        (errors.MessageError("bad-json", "no JSON", 7), ValueError),
+        (errors.Closed("closed"), Exception),
+        (errors.Lost("gone"), ConnectionError),
+        (errors.ListenError(98, "cannot listen on tcp://127.0.0.1:1"), OSError),
+    ],
+)
+def test_each_error_is_a_builtin_one_and_can_be_pickled(made, builtin):
+    again = pickle.loads(pickle.dumps(made))
+    assert isinstance(made, errors.Error)
+    assert isinstance(made, builtin)
+    assert (type(again), str(again), vars(again)) == (type(made), str(made), vars(made))
+    assert made.__class__.__name__ not in vars(builtins)
+
+
+def former(name, *words):
+    made = getattr(netmq_example, name)(*words)
+    made.close()
+    return made
+
+
+@pytest.mark.parametrize("name", ["LazyPirate", "ManyRequester", "DriverClient", "JobClient"])
+def test_the_context_came_first_in_version_0_3(name):
+    with zmq.Context() as context, pytest.warns(DeprecationWarning, match=rf"^write {name}\(endpoint, timeout=…\)"):
+        made = former(name, context, "tcp://127.0.0.1:5999")
+    assert (made.endpoint, made.context) == ("tcp://127.0.0.1:5999", context)
+
+
+def test_what_version_0_3_called_otherwise():
+    with pytest.warns(DeprecationWarning):
+        client = former("BackgroundClient", steady_endpoint(), 0.2, 1, 8)
+    assert (client.capacity, client.pirates[0].timeout, client.pirates[0].tries) == (8, 0.2, 1)
+    with pytest.warns(DeprecationWarning, match=r"^netmq_example\.errors\.GaveUp is netmq_example\.Error now"):
+        from netmq_example.errors import GaveUp
+    assert GaveUp is errors.Error
+    with zmq.Context() as context, context.socket(zmq.SUB) as socket, pytest.warns(DeprecationWarning):
+        assert former("TopicListener", socket, steady_endpoint(), "pose/").topic == "pose/"
+    lines = []
+    with zmq.Context() as context, pytest.warns(DeprecationWarning):
+        pirate = netmq_example.LazyPirate(context, steady_endpoint(), 0.05, 2, lines.append)
+        with pirate, pytest.raises(netmq_example.Timeout):
+            pirate.request("x")
+    assert lines == ["1: no reply within 0.05 s; try 2 of 2"]

@@ -1,0 +1,476 @@
+"""A server of one's own, and clients for threads and for asyncio: what a program has that is none of the lessons'."""
+
+import asyncio
+import importlib
+import logging
+import signal
+import subprocess
+import sys
+import threading
+import time
+from concurrent.futures import CancelledError, ThreadPoolExecutor
+from contextlib import closing
+
+import pytest
+import zmq
+import zmq.asyncio
+
+from netmq_example import (
+    Array,
+    BackgroundClient,
+    Closed,
+    LazyPirate,
+    ManyRequester,
+    Message,
+    MessageError,
+    MessageRequester,
+    Publisher,
+    Refused,
+    Server,
+    Timeout,
+    TopicListener,
+    json_answer,
+)
+from netmq_example.errors import ListenError
+from netmq_example.security.allow_list import AllowList
+from netmq_example.security.keys import make
+from netmq_example.security.requester import ClientKeys
+from tests.lessons.conftest import ask
+from tests.programs import LIMIT, ROOT, steady_endpoint
+
+PATIENT = 60
+
+
+class Work:
+    """An answer that counts what it does; `go` ends those that wait."""
+
+    def __init__(self):
+        self.done = []
+        self.go = threading.Event()
+        # A class of its own: of the same mistake in the same place there is one traceback in a process.
+        self.mistake = type("Mistake", (Exception,), {})
+
+    def __call__(self, text):
+        self.done.append(text)
+        if text.startswith("wait"):
+            assert self.go.wait(LIMIT)
+        if text == "bad":
+            raise self.mistake("speed")
+        return text.upper()
+
+
+@pytest.fixture
+def work():
+    work = Work()
+    yield work
+    work.go.set()
+
+
+@pytest.fixture(params=[0, 4], ids=["no workers", "4 workers"])
+def server(request, work):
+    with Server(work, workers=request.param) as server:
+        yield server
+        work.go.set()
+
+
+# Server
+
+
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+def test_the_clients_of_lessons_01_02_04_and_06_can_ask_it(kind, run):
+    with Server(str.upper) as server:
+        for key in ("01_request_reply", "02_lazy_pirate", "04_background_client", "06_many_in_flight"):
+            done = run(kind, key, "--endpoint", server.endpoint, "--count", "1", "--text", "hi", "--timeout", "60")
+            assert "1: sent hi, received HI" in done.lines, (key, done)
+
+
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+def test_with_messages_those_of_lesson_05_can(kind, run):
+    pytest.importorskip("numpy")
+    answer = lesson("05_messages").answer
+    with Server(answer, messages=True) as server:
+        done = run(kind, "05_messages", "--endpoint", server.endpoint, "--count", "2", "--timeout", "60")
+    assert done.lines[-1] == "done: 2 replies", done
+
+
+def lesson(key):
+    """Its server's module."""
+    sys.path.insert(0, str(ROOT / "python" / key))
+    try:
+        return importlib.import_module("server")
+    finally:
+        sys.path.pop(0)
+        sys.modules.pop("server", None)
+
+
+REQUESTS = {
+    "01_request_reply": ["Hello", "Hello\0", "", "Häße", "x" * 65_536],
+    "04_background_client": ["hello", "echo hi", "echo", "", "ä"],
+    "06_many_in_flight": ["echo hi", "sleep 0", "sleep x", "ä"],
+}
+
+
+@pytest.mark.parametrize("key", REQUESTS)
+def test_a_lessons_answer_gives_the_same_bytes_behind_it(key, serve, context):
+    _, there = serve(key)
+    with Server(lesson(key).answer) as server:
+        for text in REQUESTS[key]:
+            frames = [b"7", text.encode()] if key != "01_request_reply" else [text.encode()]
+            assert ask(context, server.endpoint, *frames) == ask(context, there, *frames), text
+
+
+def test_a_mistake_in_answer_goes_to_the_client_and_to_the_log(server, work, caplog):
+    with LazyPirate(server.endpoint, timeout=PATIENT) as pirate:
+        assert pirate.request("bad") == "error: Mistake('speed')"
+        assert pirate.request("good") == "GOOD"
+    (record,) = [each for each in caplog.records if each.exc_info]
+    assert (record.name, record.levelno) == ("netmq_example.server", logging.ERROR)
+    assert record.exc_info[0] is work.mistake
+
+
+def test_a_request_that_comes_again_is_not_done_again(server, work, context):
+    id, dealer = b"1" * 16, context.socket(zmq.DEALER)
+    with closing(dealer), context.socket(zmq.DEALER) as other:
+        for socket in (dealer, other):
+            socket.linger = 0
+            socket.connect(server.endpoint)
+        # Not before the first is at work: which connection's message comes first, nobody says.
+        for socket in (dealer, other):
+            socket.send_multipart([id, b"wait"])
+            while not work.done:
+                time.sleep(0.001)
+        work.go.set()
+        assert other.recv_multipart() == [id, b"WAIT"]
+        # Of an id that is not long enough to be nobody else's, each connection has its own.
+        for socket in (dealer, other, dealer):
+            socket.send_multipart([b"1", b"short"])
+            while (frames := socket.recv_multipart())[0] == id:
+                pass
+            assert frames == [b"1", b"SHORT"]
+    assert work.done == ["wait", "short", "short"]
+
+
+def test_what_is_neither_a_text_nor_an_id_and_a_text_is_an_error(server, context):
+    assert ask(context, server.endpoint, b"1", b"2", b"3") == [b"error: expected [text] or [id][text]"]
+    assert ask(context, server.endpoint, b"1", b"a", kind=zmq.DEALER) == [b"1", b"A"]
+    assert ask(context, server.endpoint, b"a", kind=zmq.DEALER) == [b"A"]
+
+
+def test_more_than_its_workers_can_do_is_refused_at_once(work, context):
+    with Server(work, workers=1) as server, context.socket(zmq.DEALER) as dealer:
+        dealer.linger = 0
+        dealer.connect(server.endpoint)
+        for number in range(300):
+            dealer.send_multipart([b"%d" % number, b"wait %d" % number])
+        assert dealer.recv_multipart()[1] == b"error: busy, try again later"
+        work.go.set()
+
+
+def test_a_port_that_is_taken_is_one_error_with_its_cure(server):
+    with pytest.raises(ListenError, match=r"^cannot listen on .*: Address already in use; end the server that has it"):
+        Server(str.upper, server.endpoint)
+    with pytest.raises(ListenError):
+        Publisher(server.endpoint)
+
+
+def test_its_port_is_free_as_soon_as_it_is_closed():
+    with Server(str.upper) as server:
+        pass
+    for _ in range(20):
+        again = Server(str.upper, server.endpoint)
+        again.close()
+        again.close()
+        with pytest.raises(Closed):
+            again.run()
+    with Publisher(server.endpoint):
+        pass
+
+
+def test_only_this_machine_may_ask_unless_it_is_said():
+    for make_one in (Server, lambda _, endpoint, **words: Publisher(endpoint, **words)):
+        with pytest.raises(ValueError, match=r"^'tcp://0\.0\.0\.0:0' would let anyone in"):
+            make_one(str.upper, "tcp://0.0.0.0:0")
+        make_one(str.upper, "tcp://0.0.0.0:0", open_to_anyone=True).close()
+
+
+def test_close_on_another_thread_and_in_answer_ends_run():
+    server = Server(lambda text: server.close() or text)
+    thread = threading.Thread(target=server.run)
+    thread.start()
+    with LazyPirate(server.endpoint, timeout=0.2, tries=1) as pirate, pytest.raises(Timeout):
+        pirate.request("hi", within=0.2)
+        pirate.request("hi", within=0.2)
+    thread.join(LIMIT)
+    assert not thread.is_alive()
+    server = Server(str.upper)
+    thread = threading.Thread(target=server.run)
+    thread.start()
+    server.close()
+    thread.join(LIMIT)
+    assert not thread.is_alive()
+
+
+SERVE = """
+from netmq_example import serve
+import logging
+logging.basicConfig(level="INFO", format="%(message)s")
+serve(str.upper, "tcp://127.0.0.1:0")
+print("and on")
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Ctrl-C cannot be sent there")
+def test_ctrl_c_ends_serve_and_the_program_goes_on():
+    words = [sys.executable, "-c", SERVE]
+    with subprocess.Popen(words, cwd=ROOT / "python", stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as run:
+        line = run.stderr.readline()
+        assert line.startswith("listening on tcp://127.0.0.1:")
+        with LazyPirate(line.split()[-1], timeout=PATIENT) as pirate:
+            assert pirate.request("hi") == "HI"
+        run.send_signal(signal.SIGINT)
+        assert run.communicate(timeout=LIMIT) == ("and on\n", "")
+
+
+LEFT = """
+import threading
+from netmq_example import BackgroundClient, Server
+server = Server(lambda text: threading.Event().wait(), workers=2).__enter__()
+client = BackgroundClient(server.endpoint, window=2)
+client.submit("for ever")
+print("end")
+"""
+
+
+def test_threads_that_are_left_end_with_the_program():
+    words = [sys.executable, "-W", "error", "-c", LEFT]
+    done = subprocess.run(words, cwd=ROOT / "python", capture_output=True, text=True, timeout=LIMIT, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "end\n", "")
+
+
+def test_its_keys_let_in_only_those_on_the_list(tmp_path):
+    keys = tmp_path / "keys"
+    make(keys, "server")
+    own = ClientKeys(keys)
+    (keys / "allowed").mkdir(exist_ok=True)
+    (keys / "client.key").replace(keys / "allowed" / "alice.key")
+    with Server(str.upper, keys=AllowList(keys)) as server:
+        for client in (LazyPirate, BackgroundClient):
+            with client(server.endpoint, timeout=PATIENT, keys=own) as asker:
+                reply = asker.request("hi") if client is LazyPirate else asker.submit("hi").result(LIMIT)
+                assert reply == "HI"
+        with ManyRequester(server.endpoint, timeout=PATIENT, keys=own) as requester:
+            assert [each.reply for each in requester.request_many(["hi"])] == ["HI"]
+        with LazyPirate(server.endpoint, timeout=0.2, tries=1) as stranger, pytest.raises(Timeout):
+            stranger.request("hi")
+
+
+# Clients for threads
+
+
+@pytest.mark.parametrize("each", [500, pytest.param(5000, marks=pytest.mark.long)])
+def test_each_of_8_threads_gets_its_own_replies_at_any_switch_interval(each):
+    """Replies that came to another request's callback were found so."""
+    before = sys.getswitchinterval()
+    with (
+        Server(str.upper) as server,
+        BackgroundClient(server.endpoint, timeout=PATIENT, window=4) as client,
+        ThreadPoolExecutor(8) as pool,
+    ):
+
+        def futures(thread):
+            return [(f"a{thread}-{i}", client.submit(f"a{thread}-{i}")) for i in range(each)]
+
+        sys.setswitchinterval(1e-6)
+        try:
+            every = [pair for pairs in pool.map(futures, range(8)) for pair in pairs]
+            assert all(future.result(LIMIT) == text.upper() for text, future in every)
+        finally:
+            sys.setswitchinterval(before)
+    assert len(every) == 8 * each
+
+
+def test_a_request_is_taken_back_until_it_is_sent(work):
+    with Server(work) as server, BackgroundClient(server.endpoint, timeout=PATIENT) as client:
+        first, second = client.submit("wait"), client.submit("second")
+        while not work.done:
+            time.sleep(0.001)
+        assert second.cancel()
+        assert not first.cancel()
+        late = client.submit("late", within=0.05)
+        time.sleep(0.06)
+        work.go.set()
+        assert (first.result(LIMIT), client.submit("third").result(LIMIT)) == ("WAIT", "THIRD")
+        with pytest.raises(CancelledError):
+            second.result(LIMIT)
+        with pytest.raises(Timeout, match=r"^not sent to .* in time: the requests before it took too long$"):
+            late.result(LIMIT)
+    assert work.done == ["wait", "third"]
+
+
+def test_what_the_futures_raise():
+    nobody = steady_endpoint()
+    with Server(lambda text: "error: expected hello") as server, BackgroundClient(server.endpoint) as client:
+        with pytest.raises(Refused, match=r"^error: expected hello$") as refused:
+            client.submit("x").result(LIMIT)
+        assert (refused.value.code, refused.value.text) == ("error", "expected hello")
+        with pytest.raises(MessageError, match=r"^too-big: a text of 65537 bytes"):
+            client.submit("x" * 65_537)
+    with BackgroundClient(nobody, timeout=0.05, tries=2) as client:
+        with pytest.raises(Timeout, match=r"^2 tries to ask ") as late:
+            client.submit("x").result(LIMIT)
+        assert isinstance(late.value, TimeoutError)
+        with pytest.raises(Timeout, match=r"^1 try to ask "):
+            client.submit("x", within=0.02).result(LIMIT)
+        waiting = [client.submit("x"), client.submit("y")]
+    for each in waiting:
+        with pytest.raises((Closed, Timeout)):
+            each.result(LIMIT)
+    with pytest.raises(Closed, match=r"^this client is closed: make a new one$"):
+        client.submit("x")
+    assert not any(thread.is_alive() for thread in client.threads)
+
+
+def test_all_tries_together_take_no_longer_than_within():
+    with LazyPirate(steady_endpoint(), timeout=0.2, tries=100) as pirate, pytest.raises(Timeout, match=r"^2 tries to "):
+        pirate.request("x", within=0.3)
+
+
+def test_a_future_that_closes_its_client_ends_it(server):
+    client = BackgroundClient(server.endpoint, timeout=PATIENT)
+    closed = threading.Event()
+    future = client.submit("hi")
+    future.add_done_callback(lambda _: (client.close(), closed.set()))
+    assert future.result(LIMIT) == "HI"
+    assert closed.wait(LIMIT)
+
+
+# and for asyncio
+
+
+@pytest.mark.parametrize("policy", ["asyncio", "uvloop"])
+def test_500_at_once_each_get_their_own_reply(server, work, policy):
+    if policy == "uvloop":
+        pytest.importorskip("uvloop")
+
+    async def main():
+        with BackgroundClient(server.endpoint, timeout=PATIENT, window=8) as client:
+            texts = [f"a{i}" for i in range(500)]
+            assert await asyncio.gather(*map(client.ask, texts)) == [text.upper() for text in texts]
+            with pytest.raises(Refused):
+                await client.ask("bad")
+            with pytest.raises(TimeoutError):
+                async with asyncio.timeout(0.05):
+                    await client.ask("wait")
+            work.go.set()
+            assert await client.ask("b") == "B"
+
+    if policy == "uvloop":
+        importlib.import_module("uvloop").run(main())
+    else:
+        asyncio.run(main())
+
+
+def test_no_try_follows_once_its_task_is_cancelled():
+    async def main():
+        with BackgroundClient(steady_endpoint(), timeout=0.1, tries=10_000) as client:
+            with pytest.raises(TimeoutError):
+                async with asyncio.timeout(0.15):
+                    await client.ask("x")
+            # The one connection is free for the next.
+            with pytest.raises(Timeout, match=r"^\d+ tr\w+ to ask "):
+                await client.ask("y", within=2)
+
+    asyncio.run(main())
+
+
+@pytest.mark.parametrize("make_one", [BackgroundClient, LazyPirate, ManyRequester, MessageRequester, TopicListener])
+def test_a_context_of_zmq_asyncio_is_refused_with_its_cure(make_one):
+    with zmq.asyncio.Context() as context, pytest.raises(TypeError, match=r"^context is one of zmq\.asyncio: take one"):
+        make_one(steady_endpoint(), context=context)
+
+
+# Messages
+
+
+def look(request):
+    if request.kind == "look":
+        return Message("ok", request.id, {"mean": float(request.arrays[0].numpy().mean())})
+    raise MessageError("unknown-kind", f"kind {request.kind}")
+
+
+@pytest.mark.parametrize("workers", [0, 2])
+def test_a_message_is_answered_or_refused_by_code_and_text(workers):
+    np = pytest.importorskip("numpy")
+    picture = np.array([[1, 2], [3, 4]], "uint8")
+    with (
+        Server(look, messages=True, workers=workers) as server,
+        MessageRequester(server.endpoint, timeout=PATIENT) as requester,
+    ):
+        assert requester.request(Message("look", 1, {}, [Array.of(picture)])).values == {"mean": 2.5}
+        with pytest.raises(Refused) as refused:
+            requester.request(Message("touch", 7))
+        assert (refused.value.code, refused.value.text, refused.value.id) == ("unknown-kind", "kind touch", 7)
+        with pytest.raises(MessageError, match=r"^bad-value"):
+            requester.request(Message("look", -1))
+        assert requester.request(Message("look", 2, {}, [Array.of(picture[::-1, 1])])).values == {"mean": 3.0}
+
+
+def test_a_message_that_nobody_answers_is_asked_again(caplog):
+    with MessageRequester(steady_endpoint(), timeout=0.05, tries=2) as requester, pytest.raises(Timeout):
+        requester.request(Message("look"))
+    assert [record.getMessage() for record in caplog.records] == ["look: no reply within 0.05 s; try 2 of 2"]
+
+
+def test_an_array_of_numpy_is_taken_as_it_is_or_refused():
+    np = pytest.importorskip("numpy")
+    for dtype in ("uint8", "uint16", "int32", "int64", "float32", "float64"):
+        numbers = np.arange(6, dtype=dtype).reshape(2, 3)
+        for each in (numbers, numbers.T, numbers[:, ::2], numbers[0, 0], numbers[:0]):
+            array = Array.of(each)
+            assert (array.dtype, array.shape) == (dtype, each.shape)
+            assert array.numpy().tolist() == each.tolist()
+    for wrong, cure in {"int8": "float32", "bool": "float32", "complex64": "float32", ">f4": "float32"}.items():
+        with pytest.raises(MessageError, match=rf"^bad-dtype: .*; write array\.astype\('{cure}'\)$"):
+            Array.of(np.zeros(3, wrong))
+    with pytest.raises(MessageError, match=r"^wrong-type: of takes a numpy array, not \[1, 2\]"):
+        Array.of([1, 2])
+
+
+# A publisher of one's own
+
+
+def test_what_is_published_comes_as_text_or_as_frames():
+    over = threading.Event()
+
+    def publish(publisher):
+        while not over.wait(0.005):
+            publisher.send("a/", "text")
+            publisher.send("a/", b"\xff")
+            publisher.send("a/", Message("pose", 3))
+            publisher.send("b/", "not for this one")
+
+    with Publisher() as publisher, TopicListener(publisher.endpoint, "a/", timeout=PATIENT) as listener:
+        thread = threading.Thread(target=publish, args=[publisher])
+        thread.start()
+        try:
+            texts = set()
+            for text in listener:
+                texts.add(text)
+                if len(texts) == 3:
+                    listener.stop()
+            assert {"a/ text", "a/ (1 bytes)"} < texts
+        finally:
+            over.set()
+            thread.join(LIMIT)
+        with pytest.raises(Closed):
+            listener.receive()
+
+
+def test_json_both_ways():
+    @json_answer
+    def total(state):
+        return {"sum": sum(state["numbers"])}
+
+    with Server(total) as server, LazyPirate(server.endpoint, timeout=PATIENT) as pirate:
+        assert pirate.request('{"numbers": [1, 2]}') == '{"sum": 3}'
+        assert pirate.request("{}") == "error: the request has no 'numbers'; it has nothing"
