@@ -14,30 +14,21 @@ Trouble on command, where N counts the requests since the start:
     --drop N         does request N and does not reply
 """
 
-import argparse
 import itertools
 import os
 import re
-import sqlite3
 import sys
 from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.errors import Error
-from netmq_example.journal import LONGEST_ID_BYTES, Journal
-from netmq_example.program import listening, receive, run, server_options, text_of, whole
-from netmq_example.replies import envelope
-
-# What this server keeps: an account. Delete the journal to begin at 0, while no server runs.
-SCHEMA = """
-    CREATE TABLE IF NOT EXISTS account (balance INTEGER NOT NULL);
-    INSERT INTO account SELECT 0 WHERE NOT EXISTS (SELECT * FROM account);
-"""
+from netmq_example.journal import LONGEST_ID_BYTES, Connection, Journal
+from netmq_example.program import listening, receive, run, server_options, text_of, whole, wrong_usage
+from netmq_example.replies import id_and_text
 
 
-def answer(db: sqlite3.Connection, text: str) -> str:
+def answer(db: Connection, text: str) -> str:
     """Your own work goes here. Its changes in the database and the journal's entry are one transaction."""
     asked = re.fullmatch(r"add ([0-9]{1,9})|balance", text)
     if not asked:
@@ -46,37 +37,28 @@ def answer(db: sqlite3.Connection, text: str) -> str:
     return str(db.execute("SELECT balance FROM account").fetchone()[0])
 
 
-def journal(path: str) -> Journal:
-    """The type of an option: a journal that cannot be used is wrong usage."""
-    try:
-        opened = Journal(path, schema=SCHEMA)
-        balance = opened.db.execute("SELECT balance FROM account").fetchone()[0]
-        print(f"journal {path}, balance {int(balance)}", flush=True)
-    except (Error, sqlite3.Error, TypeError, ValueError) as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
-    return opened
-
-
 def main() -> None:
     parser = server_options(__doc__, "tcp://127.0.0.1:5552")
-    parser.add_argument("--journal", type=journal, default="lazy_pirate.sqlite3", help="a file, made if there is none")
+    parser.add_argument("--journal", default="lazy_pirate.sqlite3", help="a file, made if there is none")
     parser.add_argument("--crash-on", type=whole, default=0, metavar="N", help="do request N, then crash")
     parser.add_argument("--drop", type=whole, default=0, metavar="N", help="do request N, then lose the reply")
     options = parser.parse_args()
+    with wrong_usage(parser, "argument --journal: "):
+        # Delete the file to begin at 0, while no server runs.
+        journal = Journal(options.journal, schema="CREATE TABLE IF NOT EXISTS account AS SELECT 0 AS balance;")
+        print(f"journal {options.journal}, balance {journal.value('SELECT balance FROM account')}", flush=True)
     # A REP socket must reply before it may receive again; a ROUTER may also stay silent.
     with listening(zmq.ROUTER, options) as socket:
         for number in itertools.count(1):
-            frames = receive(socket)
-            way, body = envelope(frames)
-            request_id, text = body if len(body) == 2 else (b"", b"")
+            way, request_id, text = id_and_text(receive(socket))
             reply = source = ""
-            with options.journal.watched():
+            with journal.watched():
                 if not 0 < len(request_id) <= LONGEST_ID_BYTES:
                     reply = f"error: expected two frames, [id][text], with an id of 1 to {LONGEST_ID_BYTES} bytes"
-                elif reply := options.journal.find(request_id):
+                elif reply := journal.find(request_id):
                     source = ", from the journal"
                 else:
-                    reply = options.journal.do(request_id, text_of(text), answer)
+                    reply = journal.do(request_id, text_of(text), answer)
             fate = {options.crash_on: ", crash", options.drop: ", dropped"}.get(number, "")
             if reply and not reply.startswith("error:"):
                 print(f"request {number}, {request_id[:10]!r}: {reply!r:.80}{source}{fate}", flush=True)
@@ -84,7 +66,7 @@ def main() -> None:
                 os._exit(1)
             if reply and number != options.drop:
                 # This never waits: ROUTER drops the reply to a client that has gone, or does not read.
-                socket.send_multipart([*way, *filter(None, [request_id]), reply.encode()])
+                socket.send_multipart([*way, reply.encode()])
 
 
 if __name__ == "__main__":

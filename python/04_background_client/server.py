@@ -20,7 +20,7 @@ sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
 from netmq_example.program import listening, receive, run, server_options, whole
-from netmq_example.replies import envelope, reply_to
+from netmq_example.replies import id_and_text, reply_to
 
 
 def answer(text: str) -> str:
@@ -42,11 +42,8 @@ def main() -> None:
     options = parser.parse_args()
     with listening(zmq.ROUTER, options) as socket:
         for number in itertools.count(1):
-            way, body = envelope(receive(socket))
-            reply = b"error: expected two frames, [id][text]"
-            if len(body) == 2:
-                way.append(body[0])
-                reply = remembered(*body)
+            way, request_id, text = id_and_text(receive(socket))
+            reply = remembered(request_id, text) if request_id else b"error: expected two frames, [id][text]"
             if number == options.slow_on:
                 time.sleep(2)
             socket.send_multipart([*way, reply])

@@ -13,7 +13,7 @@ from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 from netmq_example.pose_stream import PoseSubscriber
-from netmq_example.program import client_endpoint, client_options, run, seconds, whole
+from netmq_example.program import client_endpoint, client_options, run, seconds, whole, wrong_usage
 
 
 def main() -> None:
@@ -25,10 +25,8 @@ def main() -> None:
     parser.add_argument("--every", type=whole, default=60, help="print one pose in so many; 0: none")
     parser.add_argument("--work", type=seconds, default=0, help="seconds that each pose takes: a slow subscriber")
     options = parser.parse_args()
-    try:
+    with wrong_usage(parser, after="; give --snapshots"):
         poses = PoseSubscriber(options.endpoint, snapshots=options.snapshots or "", timeout=options.timeout)
-    except ValueError as error:
-        parser.error(f"{error}; give --snapshots")
     with poses:
         print(f"following {options.endpoint}, snapshots from {poses.snapshots}", flush=True)
         end = time.monotonic() + options.seconds

@@ -20,13 +20,13 @@ from pathlib import Path
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
+from netmq_example.options import seconds, server_endpoint, server_options, whole, wrong_usage
 from netmq_example.pose_stream import PosePublisher, snapshots_beside
-from netmq_example.program import SLICE_MS, Socket, listening, run, seconds, server_endpoint, server_options, whole
+from netmq_example.program import SLICE_MS, Socket, listening, run
 
 
-def circle(number: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Your own state goes here: position and rotation on a circle of 2 m, one radian in 60 poses, facing forward."""
-    angle = number / 60
+def circle(angle: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Your own state goes here: position and rotation on a circle of 2 m, facing forward."""
     return (2 * math.cos(angle), 0, 2 * math.sin(angle)), (0, math.sin(-angle / 2), 0, math.cos(angle / 2))
 
 
@@ -36,7 +36,7 @@ def serve(stream: Socket, snapshots: Socket, interval: float, count: int) -> Non
     due = time.monotonic()
     while True:
         if time.monotonic() >= due:
-            stream.send_string(publisher.step(*circle(publisher.number + 1)))
+            stream.send_string(publisher.step(*circle((publisher.number + 1) / 60)))
             # After a long sleep of the machine one second is made up for, not the whole night.
             due = max(due + interval, time.monotonic() - 1)
             if publisher.number == count:
@@ -52,7 +52,6 @@ def answer(request: list[bytes], publisher: PosePublisher) -> str:
     """The state as it is now: a subscriber that has it goes on with the next message of the stream."""
     if request != [b"pose/"]:
         return f"error: expected pose/, got {b' '.join(request)[:40]!r}"
-    print(f"snapshot at {publisher.number}, checksum {publisher.checksum}", flush=True)
     return publisher.snapshot()
 
 
@@ -62,10 +61,8 @@ def main() -> None:
     parser.add_argument("--interval", type=seconds, default=1 / 60, help="seconds between two poses; 0 is a flood")
     parser.add_argument("--count", type=whole, default=0, help="poses to publish, after that only snapshots; 0: no end")
     options = parser.parse_args()
-    try:
+    with wrong_usage(parser, after="; give --snapshots"):
         second = options.snapshots or snapshots_beside(options.endpoint)
-    except ValueError as error:
-        parser.error(f"{error}; give --snapshots")
     with (
         # Listeners send subscriptions only, and those are short.
         listening(zmq.PUB, options, largest=1000, word="") as stream,

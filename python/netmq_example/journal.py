@@ -12,6 +12,7 @@ import logging
 import os
 import sqlite3
 from collections.abc import Callable, Iterator
+from typing import Any
 
 from netmq_example import check
 from netmq_example.errors import Error
@@ -31,7 +32,8 @@ LOCKED_SECONDS = 0.5
 # A statement that is wrong, or that a rule of a table refuses: nothing is the matter with the file.
 MISTAKES = (sqlite3.SQLITE_ERROR, sqlite3.SQLITE_CONSTRAINT, sqlite3.SQLITE_MISMATCH, sqlite3.SQLITE_TOOBIG)
 # What does the work of a request: your own.
-Answer = Callable[[sqlite3.Connection, str], str]
+Connection = sqlite3.Connection
+Answer = Callable[[Connection, str], str]
 
 log = logging.getLogger("netmq_example.server")
 
@@ -44,7 +46,7 @@ class Journal(OneProcess):
 
         Error: it cannot be used.
         """
-        self.path = path = os.fspath(path)
+        self.path = path = os.fspath(check.instance("path", path, str, os.PathLike))
         self.usable = True
         try:
             # To SQLite these names mean a journal in memory, which forgets.
@@ -106,6 +108,13 @@ class Journal(OneProcess):
             log.info("the journal %s can be used again", self.path)
         self.usable = True
         return reply
+
+    def value(self, query: str) -> Any:
+        """The first value that a query of your own finds. Error: it cannot be asked."""
+        try:
+            return self.db.execute(query).fetchone()[0]
+        except (sqlite3.Error, TypeError) as error:
+            raise Error(f"cannot use the journal {self.path}: {error}; try another file") from None
 
     def ready(self, request_id: bytes) -> None:
         check.instance("request_id", request_id, bytes)

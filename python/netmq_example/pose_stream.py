@@ -39,6 +39,7 @@ MOST_CONNECTIONS = 5
 MOST_GAPS = 1000
 
 log = logging.getLogger("netmq_example.client")
+publish_log = logging.getLogger("netmq_example.publish")
 
 
 def snapshots_beside(endpoint: str) -> str:
@@ -75,6 +76,7 @@ class PosePublisher:
 
     def snapshot(self) -> str:
         """All that a subscriber needs to go on with the next message, as if it had received every one before."""
+        publish_log.info("snapshot at %d, checksum %d", self.number, self.checksum)
         return f"{self.checksum} {self.message}"
 
 

@@ -19,7 +19,6 @@ import os
 import re
 import signal
 import sys
-import threading
 import time
 from collections.abc import Callable, Iterator
 from typing import Any, TypeVar
@@ -27,11 +26,57 @@ from typing import Any, TypeVar
 import zmq
 
 from netmq_example import check, interrupts
-from netmq_example.beacon import answering, beacon_name, cure, unknown_host
-from netmq_example.console import log_lines, unhindered
-from netmq_example.console import printable as printable
-from netmq_example.console import show as show
+from netmq_example.beacon import answering, cure
+from netmq_example.console import log_lines, printable, show, unhindered
 from netmq_example.errors import Error, ListenError, Timeout
+from netmq_example.options import (
+    Options,
+    a_name,
+    at_least_one,
+    client_endpoint,
+    client_options,
+    option,
+    positive_seconds,
+    seconds,
+    server_endpoint,
+    server_options,
+    whole,
+    wrong_usage,
+)
+
+__all__ = [
+    "LARGEST_BYTES",
+    "SLICE_MS",
+    "Context",
+    "Options",
+    "Socket",
+    "a_name",
+    "at_least_one",
+    "bind",
+    "client_endpoint",
+    "client_options",
+    "connected",
+    "encoded",
+    "few_answers_wait",
+    "importing",
+    "limit",
+    "listening",
+    "more_files",
+    "not_for_anyone",
+    "option",
+    "positive_seconds",
+    "printable",
+    "receive",
+    "receive_frames",
+    "run",
+    "seconds",
+    "server_endpoint",
+    "server_options",
+    "show",
+    "text_of",
+    "whole",
+    "wrong_usage",
+]
 
 Context = zmq.Context[zmq.Socket[bytes]]
 Socket = zmq.Socket[bytes]
@@ -53,42 +98,6 @@ LEAST_FILES = 32
 # The port is taken, most often by an older start of the same server.
 IN_USE = "end the server that has it in another terminal"
 LOOPBACK = re.compile(r"tcp://(localhost|127\.[\d.]+):|(ipc|inproc)://")
-
-
-class Options(argparse.ArgumentParser):
-    """In a thread of another program, or in a notebook, a server has its defaults: the words are that program's."""
-
-    def parse_args(self, words: Any = None, namespace: Any = None) -> Any:
-        foreign = (
-            threading.current_thread() is not threading.main_thread()
-            # A notebook has no file, and the words are those of its kernel. What python -c runs has its own.
-            or not (hasattr(sys.modules["__main__"], "__file__") or sys.argv[:1] == ["-c"])
-        )
-        found = super().parse_args([] if words is None and foreign else words, namespace)
-        if getattr(found, "until_eof", False):
-            threading.Thread(target=interrupts.at_eof, daemon=True).start()
-        return found
-
-
-def server_options(about: str | None, endpoint: str) -> argparse.ArgumentParser:
-    """The options of every server. `about` is the program's docstring, whose first line its --help shows."""
-    parser = Options(description=(about or "").partition("\n")[0])
-    parser.add_argument("--endpoint", type=server_endpoint(endpoint), default=endpoint, help="port 0 takes a free one")
-    parser.add_argument("--open-to-anyone", action="store_true", help="other machines too: each can end the server")
-    parser.add_argument("--beacon", type=a_name, metavar="NAME", help="clients may look for it as beacon://NAME:PORT")
-    parser.add_argument("--until-eof", action="store_true", help="end when standard input does: with what started it")
-    return parser
-
-
-def client_options(about: str, endpoint: str, timeout: float, beacon: bool = False) -> argparse.ArgumentParser:
-    """The options of every client. `timeout` is the default of --timeout, in seconds.
-
-    With `beacon` the endpoint may be beacon://NAME:PORT, for which the client has a BeaconSearch.
-    """
-    parser = Options(description=about)
-    parser.add_argument("--endpoint", type=client_endpoint(endpoint, beacon), default=endpoint, help="the server")
-    parser.add_argument("--timeout", type=positive_seconds, default=timeout, help="seconds to wait for each reply")
-    return parser
 
 
 @contextlib.contextmanager
@@ -222,75 +231,6 @@ def text_of(frame: bytes) -> str:
     with contextlib.suppress(UnicodeDecodeError):
         return frame.decode()
     return f"({len(frame)} bytes)"
-
-
-# The types of options
-
-
-def seconds(text: str) -> float:
-    """From 0 to a day."""
-    return option(check.seconds_or_none, text, float)
-
-
-def positive_seconds(text: str) -> float:
-    """More than 0, at most a day."""
-    return option(check.seconds, text, float)
-
-
-def whole(text: str) -> int:
-    """A whole number, 0 or more."""
-    return option(lambda name, value: check.count(name, value, least=0), text, int)
-
-
-def at_least_one(text: str) -> int:
-    """A whole number, 1 or more."""
-    return option(check.count, text, int)
-
-
-def a_name(text: str) -> str:
-    """What a server's beacon answers to."""
-    return option(beacon_name, text, str)
-
-
-def option(rule: Callable[[str, Any], T], text: str, kind: Callable[[str], Any]) -> T:
-    """A text that keeps to this rule of check.py. argparse itself names the option."""
-    try:
-        value: Any = kind(text)
-    except ValueError:
-        value = text
-    try:
-        return rule("it", value)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
-
-
-def server_endpoint(example: str) -> Callable[[str], str]:
-    """The type of an endpoint to bind: port 0 and * stand for a free port."""
-    return lambda text: checked(text, example, lowest_port=0)
-
-
-def client_endpoint(example: str, beacon: bool = False) -> Callable[[str], str]:
-    """The type of an endpoint to connect to. Its host must be known: libzmq would wait for one that does not exist."""
-
-    def known(text: str) -> str:
-        if unknown := unknown_host(checked(text, example, 1, beacon)):
-            raise argparse.ArgumentTypeError(f"bad endpoint '{text}': {unknown}; check it")
-        return text
-
-    return known
-
-
-def checked(text: str, example: str, lowest_port: int, beacon: bool = False) -> str:
-    # With a scheme of its own libzmq would be asked: a program has only what its example has.
-    if not text.startswith((example.partition("//")[0], "beacon:")):
-        raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like {example}")
-    try:
-        return check.endpoint(text, example, lowest_port, beacon)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
-
-
-# The beginning and the end
 
 
 @contextlib.contextmanager

@@ -41,6 +41,17 @@ def envelope(frames: list[T]) -> tuple[list[T], list[T]]:
     return frames[:body], frames[body:]
 
 
+def id_and_text(frames: list[bytes]) -> tuple[list[bytes], bytes, bytes]:
+    """The same of a request [id][text]: the way back with the id, the id, and the text. [text] has an empty id.
+
+    The text of more frames is that of all, with a blank between them.
+    """
+    way, body = envelope(frames)
+    if len(body) == 2:
+        return [*way, body[0]], body[0], body[1]
+    return way, b"", b" ".join(body)
+
+
 def sendable(text: str) -> bytes:
     """What `answer` has returned, in UTF-8. Misfit says why it cannot be sent, which may lie in the request."""
     if not isinstance(text, str):

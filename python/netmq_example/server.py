@@ -37,7 +37,7 @@ from netmq_example.program import (
     limit,
     not_for_anyone,
 )
-from netmq_example.replies import envelope, reply_to
+from netmq_example.replies import envelope, id_and_text, reply_to
 from netmq_example.worker_threads import WorkerThreads
 
 # So many requests are read at a time, and so many may be at work or wait for a worker. More are refused at once.
@@ -144,16 +144,15 @@ class Server(OneProcess):
             return
         if not self.messages and self.keys:
             frames = [frame.bytes for frame in frames]
-        way, body = envelope(frames)
         # An object of its own, which no other request has.
         key: Any = object()
-        if not self.messages and len(body) != 1:
-            if len(body) != 2:
-                self.send(way, self.refusal("bad-frames", "expected [text] or [id][text]"))
-                return
-            id, text = body
-            way, body = [*way, id], [text]
-            key = ("" if len(id) >= LEAST_UNIQUE else way[0], id, text)
+        if self.messages:
+            way, body = envelope(frames)
+        else:
+            way, id, text = id_and_text(frames)
+            body = [text]
+            if id:
+                key = ("" if len(id) >= LEAST_UNIQUE else way[0], id, text)
         if key in self.known:
             self.send(way, self.known[key])
         elif not self.workers:

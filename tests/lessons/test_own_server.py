@@ -150,8 +150,9 @@ def test_a_request_that_comes_again_is_not_done_again(server, work, context):
     assert work.done == ["wait", "short", "short"]
 
 
-def test_what_is_neither_a_text_nor_an_id_and_a_text_is_an_error(server, context):
-    assert ask(context, server.endpoint, b"1", b"2", b"3") == [b"error: expected [text] or [id][text]"]
+def test_a_request_may_have_an_id_or_an_empty_frame_or_none(server, context):
+    assert ask(context, server.endpoint, b"1", b"a") == [b"1", b"A"]
+    assert ask(context, server.endpoint, b"a", b"b", b"c") == [b"A B C"]
     assert ask(context, server.endpoint, b"1", b"a", kind=zmq.DEALER) == [b"1", b"A"]
     assert ask(context, server.endpoint, b"a", kind=zmq.DEALER) == [b"A"]
 
