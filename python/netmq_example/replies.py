@@ -11,15 +11,13 @@ import functools
 import json
 import logging
 import traceback
-from collections.abc import Callable, Sized
-from typing import Any, TypeVar
+from collections.abc import Callable
+from typing import Any
 
 from netmq_example.console import printable
 from netmq_example.json_text import shallow
 from netmq_example.program import encoded, text_of
 from netmq_example.trouble import Trouble
-
-T = TypeVar("T", bound=Sized)
 
 log = logging.getLogger("netmq_example.server")
 
@@ -32,22 +30,15 @@ def reply_to(answer: Callable[[str], str], request: bytes) -> bytes:
         return encoded(told(error))
 
 
-def envelope(frames: list[T]) -> tuple[list[T], list[T]]:
-    """What a ROUTER received, apart: the way back to the client, and the frames of its request.
-
-    REQ puts an empty frame between the two, which REP keeps out of sight; a DEALER has none.
-    """
-    body = 2 if len(frames) > 2 and not len(frames[1]) else 1
-    return frames[:body], frames[body:]
-
-
 def id_and_text(frames: list[bytes]) -> tuple[list[bytes], bytes, bytes]:
-    """The same of a request [id][text]: the way back with the id, the id, and the text. [text] has an empty id.
+    """What a ROUTER received of [id][text], apart: the way back with the id, the id, and the text.
 
-    The text of more frames is that of all, with a blank between them.
+    The way ends with REQ's empty frame, and is longer through brokers; a DEALER has only its name. What is one frame
+    alone, or more than two, has no id, and its text is that of all of them, with a blank between.
     """
-    way, body = envelope(frames)
-    if len(body) == 2:
+    start = frames.index(b"") + 1 if b"" in frames[:-1] else 1
+    way, body = frames[:start], frames[start:]
+    if len(body) == 2 and body[0]:
         return [*way, body[0]], body[0], body[1]
     return way, b"", b" ".join(body)
 

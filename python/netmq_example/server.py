@@ -37,7 +37,7 @@ from netmq_example.program import (
     limit,
     not_for_anyone,
 )
-from netmq_example.replies import envelope, id_and_text, reply_to
+from netmq_example.replies import id_and_text, reply_to
 from netmq_example.worker_threads import WorkerThreads
 
 # So many requests are read at a time, and so many may be at work or wait for a worker. More are refused at once.
@@ -140,14 +140,16 @@ class Server(OneProcess):
 
     def take(self, frames: list[Any]) -> None:
         if self.keys and not self.keys.name_of(frames[-1]):
-            self.send(envelope(frames)[0], self.refusal("refused", "your key is not on the list, or not any more"))
+            self.send(frames[:-1], self.refusal("refused", "your key is not on the list, or not any more"))
             return
         if not self.messages and self.keys:
             frames = [frame.bytes for frame in frames]
         # An object of its own, which no other request has.
         key: Any = object()
         if self.messages:
-            way, body = envelope(frames)
+            # An array may be empty as well: REQ's empty frame is the second one.
+            start = 2 if len(frames) > 2 and not len(frames[1]) else 1
+            way, body = frames[:start], frames[start:]
         else:
             way, id, text = id_and_text(frames)
             body = [text]

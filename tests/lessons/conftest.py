@@ -4,6 +4,7 @@ that they launch, or that answer in the test's own process.
 """
 
 import contextlib
+import logging
 import shutil
 import threading
 
@@ -11,7 +12,7 @@ import pytest
 import zmq
 
 from kitlib.setup import dotnet
-from netmq_example import records
+from netmq_example import console, records
 from netmq_example.messages import Message
 from tests.machines import Machines
 from tests.programs import LIMIT, ROOT
@@ -21,6 +22,16 @@ from tests.programs import LIMIT, ROOT
 def context():
     with zmq.Context() as context:
         yield context
+
+
+@pytest.fixture
+def printed(capsys):
+    """capsys of a program: what the package logs is among its lines."""
+    log = logging.getLogger("netmq_example")
+    before = log.handlers, log.level
+    console.log_lines()
+    yield capsys
+    log.handlers, log.level = before
 
 
 @pytest.fixture(scope="session")

@@ -197,7 +197,7 @@ def test_a_client_does_not_wait_for_ever_to_send(kind, run):
     assert client.lines[-1].startswith(end[client.code]), client
 
 
-def test_a_mistake_in_ones_own_answer_is_told_to_both_sides(capsys, monkeypatch):
+def test_a_mistake_in_ones_own_answer_is_told_to_both_sides(printed, monkeypatch):
     # Each has its traceback once.
     monkeypatch.setattr(replies, "again", {})
 
@@ -213,7 +213,7 @@ def test_a_mistake_in_ones_own_answer_is_told_to_both_sides(capsys, monkeypatch)
         for again in (False, True):
             got = replies.reply_to(answer, text)
             assert got.startswith(reply) and len(got) < 1100
-            said = capsys.readouterr()
+            said = printed.readouterr()
             assert (again, not again) == ("trouble: ValueError" in said.out, "Traceback" in said.err)
 
 
@@ -226,12 +226,12 @@ def test_a_mistake_in_ones_own_answer_is_told_to_both_sides(capsys, monkeypatch)
     ],
     ids=["none", "half a character", "a long one"],
 )
-def test_an_answer_that_cannot_be_sent_is_one_line(text, why, capsys, monkeypatch):
+def test_an_answer_that_cannot_be_sent_is_one_line(text, why, printed, monkeypatch):
     """It may be the fault of whoever asked."""
     monkeypatch.setattr(replies, "again", {})
     line = f"answer returned {why}"
     assert replies.reply_to(lambda request: text, b"ask").startswith(f"error: {line}".encode())
-    said = capsys.readouterr()
+    said = printed.readouterr()
     assert said.out.startswith(f"trouble: {line}") and said.out.count("\n") == 1 and not said.err
 
 

@@ -20,7 +20,7 @@ try:
 except ImportError:
     resource = None  # Windows has none.
 
-from netmq_example.errors import GaveUp
+from netmq_example.errors import Closed, MessageError
 from netmq_example.journal import Journal
 from netmq_example.lazy_pirate import LazyPirate
 from tests.bad_peers import ProtocolBreaker, SlowLine
@@ -366,13 +366,13 @@ def test_what_a_client_sends_is_printed_without_harm(serve, journal, context):
 
 
 def test_a_request_that_cannot_be_sent_is_refused_at_once(context):
-    with contextlib.closing(LazyPirate(context, steady_endpoint(), timeout=60)) as pirate:
+    with LazyPirate(steady_endpoint(), timeout=60, context=context) as pirate:
         for text in (None, 0, b"add 1"):
             with pytest.raises(TypeError, match=r"^text takes a str, not "):
                 pirate.request(text)
-        with pytest.raises(GaveUp, match=r"^a text of 65537 bytes, more than 65536: lesson 05 carries more$"):
+        with pytest.raises(MessageError, match=r"^too-big: a text of 65537 bytes, more than 65536: lesson 05 carries more$"):
             pirate.request("x" * 65_537)
-    with pytest.raises(GaveUp, match=r"^the client was disposed$"):
+    with pytest.raises(Closed, match=r"^the client was closed$"):
         pirate.request("add 1")
 
 
@@ -387,8 +387,9 @@ def test_a_second_thread_is_refused_while_one_asks(context):
                 said.append(pool.submit(pirate.request, "balance").exception(LIMIT))
             pirate.stop()
 
-    pirate = LazyPirate(context, steady_endpoint(), 0.1, 2, ask_beside)
-    with pytest.raises(GaveUp):
+    pirate = LazyPirate(steady_endpoint(), timeout=0.1, tries=2, context=context)
+    pirate.report = ask_beside
+    with pytest.raises(Closed):
         pirate.request("balance")
     assert [type(each) for each in said] == [str, RuntimeError]
     assert str(said[1]) == "this LazyPirate has not ended what it does: wait for that, or make a second LazyPirate"
@@ -396,11 +397,11 @@ def test_a_second_thread_is_refused_while_one_asks(context):
 
 def test_a_context_that_is_ended_is_named():
     ended = zmq.Context()
-    pirate = LazyPirate(ended, steady_endpoint(), tries=1, timeout=0.1)
+    pirate = LazyPirate(steady_endpoint(), tries=1, timeout=0.1, context=ended)
     with pytest.raises(TimeoutError, match=r"^1 try to ask "):
         pirate.request("add 1")
     ended.term()
-    for use in (lambda: pirate.request("add 1"), lambda: LazyPirate(ended, steady_endpoint())):
+    for use in (lambda: pirate.request("add 1"), lambda: LazyPirate(steady_endpoint(), context=ended)):
         with pytest.raises(ValueError, match=r"^context is closed: make a new one$"):
             use()
 
