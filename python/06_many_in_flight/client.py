@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
-from netmq_example.errors import Error, MessageError
+from netmq_example.errors import Error
 from netmq_example.many_requester import ManyRequester
 from netmq_example.program import at_least_one, client_options, printable, run, whole
 
@@ -36,7 +36,7 @@ def main() -> None:
             # A reply that begins with `error:` is one, too: that error is Refused.
             if error and not reply:
                 failures += 1
-                outcome = f"gave up: {error.text if isinstance(error, MessageError) else error}"
+                outcome = f"gave up: {error}"
             print(f"{number}: sent {printable(texts[(number - 1) % len(texts)])}, {outcome}", flush=True)
     print(f"done: {options.count - failures} replies", flush=True)
     if failures:

@@ -45,10 +45,14 @@ class Coded(Error):
     """An error with a code for programs, a text for people, and the id of a message, 0 where it has none."""
 
     def __init__(self, code: str, text: str = "", id: int = 0) -> None:
+        whole = f"{code}: {text}" if text else str(code)
         if not text:
             # Pickle and AsyncVectorEnv, which bring an error from another process, have one argument for it.
-            code, _, text = str(code).partition(": ")
-        super().__init__(f"{code}: {text}" if text else code)
+            code, _, text = whole.partition(": ")
+            if text and " " in code:
+                # It is a sentence, and has no code of its own.
+                code, text = "error", whole
+        super().__init__(whole)
         self.code, self.text, self.id = code, text, id
 
 

@@ -167,7 +167,7 @@ def sendable(text: str) -> bytes:
     try:
         return encoded(text)
     except ValueError as error:
-        raise MessageError("too-big", str(error)) from None
+        raise MessageError(str(error)) from None
 
 
 def is_reply(frames: list[bytes], request: list[bytes]) -> bool:

@@ -135,7 +135,7 @@ class ManyRequester(OneProcess):
                 # The server would disconnect a client that sends it, and all that is under way would be lost.
                 if len(encoded) > LARGEST_BYTES:
                     why = f"not sent: {len(encoded)} bytes, and the limit is {LARGEST_BYTES}"
-                    yield Outcome(number, "", MessageError("too-big", why))
+                    yield Outcome(number, "", MessageError(why))
                     continue
                 self.last_id += 1
                 self.send(b"%d-%b" % (self.last_id, self.name), Pending(number, encoded, self.timeout))

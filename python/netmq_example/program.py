@@ -125,7 +125,12 @@ def listening(
         socket.rcvtimeo = SLICE_MS
         if prepare:
             prepare(context, socket)
-        bound = bind(socket, endpoint, "try --endpoint tcp://127.0.0.1:0, which takes a free port")
+        try:
+            bound = bind(socket, endpoint, "try --endpoint tcp://127.0.0.1:0, which takes a free port")
+        except ListenError as error:
+            # Printed here: in a thread nobody would hear of it.
+            print(error, file=sys.stderr)
+            sys.exit(1)
         with answering(getattr(options, "beacon", None), bound):
             if word:
                 print(f"{word} on {bound}", flush=True)

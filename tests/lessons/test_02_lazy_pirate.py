@@ -370,7 +370,7 @@ def test_a_request_that_cannot_be_sent_is_refused_at_once(context):
         for text in (None, 0, b"add 1"):
             with pytest.raises(TypeError, match=r"^text takes a str, not "):
                 pirate.request(text)
-        with pytest.raises(MessageError, match=r"^too-big: a text of 65537 bytes, more than 65536: lesson 05 carries more$"):
+        with pytest.raises(MessageError, match=r"^a text of 65537 bytes, more than 65536: lesson 05 carries more$"):
             pirate.request("x" * 65_537)
     with pytest.raises(Closed, match=r"^the client was closed$"):
         pirate.request("add 1")

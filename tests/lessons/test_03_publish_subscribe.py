@@ -175,8 +175,7 @@ def test_in_unity_a_pose_in_frames_of_its_own_is_one(fake, listen):
 
 
 def test_the_frames_of_a_message_apart(fake):
-    with zmq.Context() as context, context.socket(zmq.SUB) as socket:
-        listener = TopicListener(socket, where(fake), "cam/")
+    with TopicListener(where(fake), "cam/") as listener:
         subscribed(fake)
         message = [b"cam/left", b"\xff\xd8\xff", b""]
         for _ in range(2):
@@ -200,13 +199,13 @@ def test_in_unity_what_is_no_pose_moves_nothing(fake, listen):
 
 def test_a_socket_that_is_closed_is_named():
     with zmq.Context() as context, context.socket(zmq.SUB) as socket:
-        listener = TopicListener(socket, steady_endpoint(), "pose/")
+        listener = TopicListener(steady_endpoint(), "pose/", socket=socket)
         socket.close()
         for use in (lambda: listener.receive(1), lambda: listener.newest(1)):
             with pytest.raises(ValueError, match=r"^this listener's socket is closed: make a new one$"):
                 use()
         with pytest.raises(ValueError, match=r"^socket is closed: make a new one$"):
-            TopicListener(socket, steady_endpoint(), "pose/")
+            TopicListener(steady_endpoint(), "pose/", socket=socket)
 
 
 # The server by itself
