@@ -1,8 +1,7 @@
 """The newest pose of a person or hand: how many were skipped for it, and how late it is.
 
-    with context.socket(zmq.SUB) as socket:
-        listener = BodyListener(socket, "tcp://127.0.0.1:5570", "pose/0/")
-        pose = listener.receive(timeout=5)                  a BodyPose, or TimeoutError
+    with BodyListener("tcp://127.0.0.1:5570", "pose/0/") as listener:
+        pose = listener.receive(timeout=5)                  a BodyPose, or Timeout
         print(pose.landmarks[26], listener.skipped, listener.behind)
 
 Landmarks are numbered as MediaPipe does, and in metres in Unity's axes: y points up, z away from the viewer.
@@ -17,6 +16,10 @@ from typing import NamedTuple
 import zmq
 
 from netmq_example import check
+from netmq_example.errors import Timeout
+from netmq_example.former import positional
+from netmq_example.one_process import OneProcess
+from netmq_example.program import Context, Socket
 from netmq_example.topic_listener import TopicListener
 
 LANDMARKS = {"pose": 33, "hand": 21}
@@ -65,14 +68,20 @@ def parse(message: str) -> BodyPose | None:
     return BodyPose(int(words[2]), float(words[3]), landmarks)
 
 
-class BodyListener:
-    def __init__(self, socket: zmq.Socket[bytes], endpoint: str, topic: str) -> None:
-        """The socket is a new SUB socket, which the caller closes; the topic is pose/0/, say, or hand/left/."""
-        check.blocking("socket", socket, zmq.Socket)
-        check.endpoint(endpoint, "tcp://127.0.0.1:5570", beacon=True)
+class BodyListener(OneProcess):
+    """Listens to one person or hand. Use it on one thread."""
+
+    @positional("socket", "endpoint", "topic")
+    def __init__(
+        self, endpoint: str, topic: str, *, context: Context | None = None, socket: Socket | None = None
+    ) -> None:
+        """The topic is pose/0/, say, or hand/left/. A socket that is given is a new SUB socket, and is not closed."""
+        self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5570", beacon=True)
         if not re.fullmatch(TOPIC, check.text("topic", topic)):
             raise ValueError(f"topic takes pose/0/, hand/left/ or hand/right/, not {topic!r:.40}")
-        self.listener = TopicListener(socket, endpoint, topic)
+        self.owns_socket = socket is None
+        self.socket: Socket = check.context(context).socket(zmq.SUB) if socket is None else socket
+        self.listener = TopicListener(self.socket, endpoint, topic)
         # The newest pose's, and how many were passed over for newer ones.
         self.number = 0
         self.skipped = 0
@@ -83,13 +92,13 @@ class BodyListener:
         self.ahead = math.inf
 
     def receive(self, timeout: float) -> BodyPose:
-        """Wait for a pose; TimeoutError if none comes."""
+        """Wait for a pose; Timeout if none comes."""
         end = time.monotonic() + check.seconds("timeout", timeout)
         pose = parse(self.listener.newest(timeout))
         while not pose:
             # However much of something else comes.
             if time.monotonic() >= end:
-                raise TimeoutError(f"no pose from {self.listener.endpoint} within {timeout:g} s; is that this server?")
+                raise Timeout(f"no pose from {self.listener.endpoint} within {timeout:g} s; is that this server?")
             pose = parse(self.listener.newest(timeout))
         # Numbers begin anew with each start of the server, and seconds where it is another computer's.
         self.restarted = pose.number < self.number
@@ -103,3 +112,8 @@ class BodyListener:
         self.ahead = min(self.ahead, travelled)
         self.behind = travelled - self.ahead
         return pose
+
+    def close(self) -> None:
+        """Close the socket, unless it was given. Twice is once."""
+        if self.owns_socket:
+            self.socket.close()
