@@ -560,7 +560,7 @@ WRONG = {
     "socket": [lambda value: listener(socket=value), 0, "", zmq.SUB],
     "endpoint": [lambda value: listener(endpoint=value), None, 0, "", "tcp://127.0.0.1:99999"],
     "topic": [lambda value: listener(topic=value), None, 0, "", "pose/0", "pose/-1/"],
-    "timeout": [lambda value: listener(timeout=value), None, 0, -1, NAN, ""],
+    "timeout": [lambda value: listener(timeout=value), 0, -1, NAN, ""],
     "a": [lambda value: POSE.angle(value, 1, 2), None, -1, NAN, "", 33],
     "a ": [lambda value: NOBODY.angle(value, 1, 2), 0],
     "c": [lambda value: POSE.angle(0, 1, value), None, 33],

@@ -13,8 +13,6 @@ import re
 import time
 from typing import NamedTuple
 
-import zmq
-
 from netmq_example import check
 from netmq_example.errors import Timeout
 from netmq_example.former import positional
@@ -73,15 +71,23 @@ class BodyListener(OneProcess):
 
     @positional("socket", "endpoint", "topic")
     def __init__(
-        self, endpoint: str, topic: str, *, context: Context | None = None, socket: Socket | None = None
+        self,
+        endpoint: str,
+        topic: str,
+        *,
+        timeout: float = 5.0,
+        socket: Socket | None = None,
+        context: Context | None = None,
     ) -> None:
-        """The topic is pose/0/, say, or hand/left/. A socket that is given is a new SUB socket, and is not closed."""
+        """The topic is pose/0/, say, or hand/left/. It waits `timeout` seconds for a pose.
+
+        A SUB socket with options of your own goes in as `socket`, and is closed by you.
+        """
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5570", beacon=True)
         if not re.fullmatch(TOPIC, check.text("topic", topic)):
             raise ValueError(f"topic takes pose/0/, hand/left/ or hand/right/, not {topic!r:.40}")
-        self.owns_socket = socket is None
-        self.socket: Socket = check.context(context).socket(zmq.SUB) if socket is None else socket
-        self.listener = TopicListener(self.socket, endpoint, topic)
+        self.timeout = check.seconds("timeout", timeout)
+        self.listener = TopicListener(endpoint, topic, socket=socket, context=context)
         # The newest pose's, and how many were passed over for newer ones.
         self.number = 0
         self.skipped = 0
@@ -91,9 +97,10 @@ class BodyListener(OneProcess):
         # How much this clock is ahead of the server's, with the time of the quickest pose on its way.
         self.ahead = math.inf
 
-    def receive(self, timeout: float) -> BodyPose:
-        """Wait for a pose; Timeout if none comes."""
-        end = time.monotonic() + check.seconds("timeout", timeout)
+    def receive(self, timeout: float | None = None) -> BodyPose:
+        """The next pose. Timeout if none comes within so many seconds, or the listener's own."""
+        timeout = self.timeout if timeout is None else check.seconds("timeout", timeout)
+        end = time.monotonic() + timeout
         pose = parse(self.listener.newest(timeout))
         while not pose:
             # However much of something else comes.
@@ -115,5 +122,4 @@ class BodyListener(OneProcess):
 
     def close(self) -> None:
         """Close the socket, unless it was given. Twice is once."""
-        if self.owns_socket:
-            self.socket.close()
+        self.listener.close()
