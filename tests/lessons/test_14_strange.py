@@ -22,6 +22,7 @@ import pytest
 import zmq
 
 from kitlib.docs import guide
+from netmq_example.errors import Error
 from netmq_example.jobs import client as client_module
 from netmq_example.jobs import journal, workers
 from netmq_example.jobs.client import JobClient
@@ -292,7 +293,7 @@ def opens(path, tried, left):
     """The jobs in this journal; nothing for whoever does not get it."""
     try:
         journal = Journal(path)
-    except ValueError:
+    except Error:
         tried.wait(LIMIT)
         return None
     with closing(journal.db):
@@ -473,7 +474,7 @@ WRONG: dict[str, list[Any]] = {
 def test_what_a_method_cannot_use_is_named(made):
     for name, (call, *values) in WRONG.items():
         for value in values:
-            with pytest.raises((ValueError, TypeError), match=rf"\b{name.strip()}\b") as caught:
+            with pytest.raises((Error, ValueError, TypeError), match=rf"\b{name.strip()}\b") as caught:
                 call(value, made)
             assert "\n" not in str(caught.value)
 

@@ -6,7 +6,7 @@
 
 An entry is the goal and the newest message about the job, as it is sent: with what is finished, if there is a
 checkpoint. It is kept for 24 hours after the end. Delete the file to forget all jobs, while no server runs. Of several
-servers that begin together with one journal one gets it. ValueError says that it cannot be used; when that comes later,
+servers that begin together with one journal one gets it. Error says that it cannot be used; when that comes later,
 as on a full disk, it is logged once.
 """
 
@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from netmq_example import check
+from netmq_example.errors import Error
 from netmq_example.jobs.client import ENDS, check_news, job_id
 from netmq_example.messages import EXACT, LIMIT, Message, MessageError, take
 
@@ -105,7 +106,7 @@ class Journal:
             self.db.text_factory = lambda text: text.decode(errors="replace")
             jobs = self.db.execute("SELECT count(id), count(goal), count(news), count(data) FROM jobs").fetchone()[0]
         except (sqlite3.Error, ValueError) as error:
-            raise ValueError(f"cannot use the journal {self.path}: {error}; {CURE}") from None
+            raise Error(f"cannot use the journal {self.path}: {error}; {CURE}") from None
         self.opened = self.files()
         self.clock = clock()
         log.info("journal %s, %s jobs", self.path, jobs)
@@ -143,7 +144,7 @@ class Journal:
                 except (MessageError, sqlite3.DataError) as error:
                     log.warning("cannot read row %s of the journal, and leave it alone: %s", number, error)
         except sqlite3.Error as error:
-            raise ValueError(f"cannot use the journal {self.path}: {error}; {CURE}") from None
+            raise Error(f"cannot use the journal {self.path}: {error}; {CURE}") from None
         return found
 
     def close(self) -> None:
