@@ -72,6 +72,30 @@ def test_another_door_loads_nothing_either_and_has_its_names(name):
         _ = door.Nonsense
 
 
+SHAPES = {
+    "security.SecureRequester": {},
+    "camera.DriverClient": {},
+    "jobs.JobClient": {},
+    "body.BodyListener": {"topic": "pose/0/"},
+    "fleet.FleetSocket": {"name": "CartPole", "areas": 1},
+    "video.Films": {},
+    "side_channel.ClientCarrier": {"context": zmq.Context.instance()},
+}
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_what_has_a_socket_shows_its_endpoint_and_is_closed_once(name):
+    room, _, kind = name.partition(".")
+    try:
+        made = getattr(importlib.import_module(f"netmq_example.{room}"), kind)
+    except ImportError as lacking:
+        pytest.skip(str(lacking))
+    endpoint = steady_endpoint()
+    with made(endpoint=endpoint, **SHAPES[name]) as opened:
+        assert repr(opened) == f"{kind}('{endpoint}')"
+        opened.close()
+
+
 @pytest.mark.parametrize(
     ("made", "builtin"),
     [
