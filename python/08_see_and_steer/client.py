@@ -8,15 +8,12 @@
 Bytes: as in server.py.
 """
 
-import contextlib
 import math
 import sys
 import time
 from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
-import zmq
-
 from netmq_example.program import importing, run, show
 
 with importing("numpy: pip install numpy, or let kit.py run 8 do it", stopped="stopped"):
@@ -56,10 +53,9 @@ def main() -> None:
     options = drive_options("tcp://127.0.0.1:5558")
     print(f"asking {options.endpoint}", flush=True)
     drive = Drive(options, show)
-    with zmq.Context() as context, Keyboard(options.drive) as keyboard:
-        client = DriverClient(context, options.endpoint, options.timeout, options.tries, show)
-        with contextlib.closing(client):
-            skipped = see_and_steer(drive, client, keyboard, options.count, options.lockstep)
+    client = DriverClient(options.endpoint, timeout=options.timeout, tries=options.tries)
+    with client, Keyboard(options.drive) as keyboard:
+        skipped = see_and_steer(drive, client, keyboard, options.count, options.lockstep)
     print(f"done: {drive.actions} actions, {skipped} pictures skipped")
 
 

@@ -9,7 +9,6 @@ A raw picture has become JPEG in the recording, which changes an action's last d
 """
 
 import argparse
-import contextlib
 import sys
 import time
 import uuid
@@ -17,10 +16,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
-import zmq
-
 from netmq_example import check
-from netmq_example.program import client_options, importing, option, run, show
+from netmq_example.errors import Timeout
+from netmq_example.program import client_options, importing, option, run
 
 with importing("numpy: pip install numpy, or let kit.py run 8 do it", stopped="stopped"):
     from netmq_example.camera.client import Action, DriverClient
@@ -77,14 +75,15 @@ def main() -> None:
     parser.add_argument("--compare", action="store_true", help="compare the actions with the recorded ones")
     options = parser.parse_args()
     print(f"asking {options.endpoint}", flush=True)
-    with zmq.Context() as context:
-        client = DriverClient(context, options.endpoint, options.timeout, tries=3, log=show)
-        with contextlib.closing(client):
-            try:
-                print(replay(client, options))
-            except OSError as error:
-                cure = "server.py --record runs makes recordings"
-                sys.exit(f"no replay of {options.recording} to {options.endpoint}: {error}; {cure}")
+    with DriverClient(options.endpoint, timeout=options.timeout, tries=3) as client:
+        try:
+            print(replay(client, options))
+        except Timeout:
+            # It is an OSError, and none of the recording's.
+            raise
+        except OSError as error:
+            cure = "server.py --record runs makes recordings"
+            sys.exit(f"no replay of {options.recording} to {options.endpoint}: {error}; {cure}")
 
 
 if __name__ == "__main__":

@@ -29,7 +29,7 @@ def main() -> None:
     options = parser.parse_args()
     show(f"asking {options.endpoint}")
     simulator = Simulator(WORLDS[options.world]())
-    EnvironmentClient(options.endpoint, options.timeout, show).run(simulator, options.count)
+    EnvironmentClient(options.endpoint, timeout=options.timeout).run(simulator, options.count)
     show(f"done: {simulator.episodes} episodes, {simulator.steps} steps")
 
 

@@ -37,7 +37,7 @@ def main() -> None:
     kind = RoadCar if options.world == "Car" else CartPole
     areas = [kind() for _ in range(options.areas)]
     simulator = AgentSimulator(Pursuit()) if options.world == "Pursuit" else AreaSimulator(areas)
-    EnvironmentClient(options.endpoint, options.timeout, show).run(simulator, options.count)
+    EnvironmentClient(options.endpoint, timeout=options.timeout).run(simulator, options.count)
     show(f"done: {simulator.episodes} episodes, {simulator.steps} steps")
 
 

@@ -30,7 +30,7 @@ def main() -> None:
     names = [f"agent_{number}" for number in range(options.agents)] if options.agents > 1 else ["agent"]
     simulator = SceneSimulator("Coins", 0.1, [CoinCar(name) for name in names])
     # It connects a DEALER socket, says hello, and answers the environment's requests.
-    EnvironmentClient(options.endpoint, options.timeout, show).run(simulator, options.count)
+    EnvironmentClient(options.endpoint, timeout=options.timeout).run(simulator, options.count)
     show(f"done: {simulator.episodes} episodes, {simulator.steps} steps")
 
 

@@ -13,7 +13,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
-from netmq_example.program import client_options, importing, run, show, whole
+from netmq_example.program import client_options, importing, run, whole
 
 with importing("numpy; kit.py run 12 installs it", stopped="stopped"):
     from self_driving import SelfDriving, scaled
@@ -53,7 +53,7 @@ def main() -> None:
     parser.add_argument("--count", type=whole, default=300, help="end after so many steps, and the films; 0: never")
     options = parser.parse_args()
     print(f"asking {options.endpoint}", flush=True)
-    print(play(ViewSender(options.endpoint, options.timeout, show), options.count))
+    print(play(ViewSender(options.endpoint, timeout=options.timeout), options.count))
 
 
 if __name__ == "__main__":

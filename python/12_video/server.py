@@ -20,7 +20,8 @@ import zmq
 from netmq_example.program import importing, listening, option, run, seconds, server_options, show
 
 with importing("numpy and pillow; kit.py run 12 installs them"):
-    from netmq_example.messages import LIMIT, Message, MessageError
+    from netmq_example.errors import Error
+    from netmq_example.messages import LIMIT, Message
     from netmq_example.video.film_writer import new_path
     from netmq_example.video.films import Films
 
@@ -56,14 +57,14 @@ def main() -> None:
     parser.add_argument("--fps", type=seconds, default=25, help="pictures a second")
     parser.add_argument("--slow", type=seconds, default=0, help="seconds to take over each picture")
     options = parser.parse_args()
-    with listening(zmq.ROUTER, options, largest=4 * LIMIT) as socket, SlowFilms(socket=socket, report=show) as films:
+    with listening(zmq.ROUTER, options, largest=4 * LIMIT) as socket, SlowFilms(socket=socket) as films:
         films.slow = options.slow
         # One game after the other.
         while True:
             films.wait(math.inf)
             try:
                 film(films, options.view, options.film, options.fps, options.seconds)
-            except (OSError, ValueError, MessageError) as error:
+            except (OSError, ValueError, Error) as error:
                 # Trouble with one game, or with one of its films, does not end this program.
                 show(f"trouble: {str(error)!a:.200}")
             # All that were begun, also when another one could not be.

@@ -85,7 +85,7 @@ class Ball(Simulation):
 def simulate(endpoint: str) -> None:
     ball = Ball()
     manager = SideChannelManager([ball.parameters, ball.stats])
-    EnvironmentClient(endpoint, 20).run(SideChannelSimulator(Simulator(ball), manager))
+    EnvironmentClient(endpoint, timeout=20).run(SideChannelSimulator(Simulator(ball), manager))
 
 
 def main() -> None:

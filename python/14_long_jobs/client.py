@@ -12,13 +12,12 @@ import sys
 from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
-import zmq
+from progress import Progress, share, words
 
 from netmq_example.errors import Error
 from netmq_example.jobs.client import JobClient, job_id
-from netmq_example.jobs.progress import Progress, share, words
 from netmq_example.messages import Message
-from netmq_example.program import at_least_one, client_options, option, printable, run, show, whole
+from netmq_example.program import at_least_one, client_options, option, printable, run, whole
 
 
 def follow(client: JobClient, request: Message, leave_at: int = 0, cancel_at: int = 0) -> Message | None:
@@ -47,8 +46,8 @@ def main() -> None:
     parser.add_argument("--forget", action="store_true", help="have the server forget the job after its end")
     parser.add_argument("--tries", type=at_least_one, default=5, help="how often to connect anew before giving up")
     options = parser.parse_args()
-    limits = options.timeout, options.tries, show
-    with zmq.Context() as context, JobClient(context, options.endpoint, options.resume, *limits) as client:
+    limits = {"timeout": options.timeout, "tries": options.tries}
+    with JobClient(options.endpoint, job=options.resume, **limits) as client:
         print(f"asking {options.endpoint} for job {client.job}", flush=True)
         request = client.ask("status") if options.resume else client.goal(options.kind, options.count, options.text)
         result = follow(client, request, options.leave_at, options.cancel_at)

@@ -23,6 +23,7 @@ sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 from work import KINDS
 
+from netmq_example.errors import Error
 from netmq_example.jobs.jobs import Jobs
 from netmq_example.jobs.journal import Journal
 from netmq_example.program import Socket, at_least_one, few_answers_wait, listening, run, seconds, server_options, whole
@@ -55,7 +56,7 @@ def main() -> None:
     options = parser.parse_args()
     try:
         jobs = Jobs(Journal(options.journal), KINDS, options.workers, options.queue, options.grace)
-    except ValueError as error:
+    except (Error, ValueError) as error:
         parser.error(str(error))
     except TypeError as error:
         # One of KINDS cannot be handed to a worker.

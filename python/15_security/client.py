@@ -8,14 +8,13 @@
 How it notices that it is refused, and the bytes: netmq_example/security/requester.py.
 """
 
-import contextlib
 import sys
 from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.program import at_least_one, client_options, printable, run, show, whole
+from netmq_example.program import at_least_one, client_options, printable, run, whole
 from netmq_example.security.requester import ClientKeys, SecureRequester
 
 
@@ -40,11 +39,9 @@ def main() -> None:
         if options.stranger:
             keys.public, keys.secret = zmq.curve_keypair()
     print(f"asking {options.endpoint}", flush=True)
-    with zmq.Context() as context:
-        requester = SecureRequester(context, options.endpoint, keys, options.timeout, options.tries, show)
-        with contextlib.closing(requester):
-            for i in range(1, options.count + 1):
-                print(f"{i}: sent Hello, received {printable(requester.request('Hello'))}", flush=True)
+    with SecureRequester(options.endpoint, keys=keys, timeout=options.timeout, tries=options.tries) as requester:
+        for i in range(1, options.count + 1):
+            print(f"{i}: sent Hello, received {printable(requester.request('Hello'))}", flush=True)
     print(f"done: {options.count} replies")
 
 

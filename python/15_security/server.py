@@ -19,7 +19,7 @@ from pathlib import Path
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.program import Context, Socket, listening, receive_frames, run, server_options, text_of
+from netmq_example.program import Context, Socket, listening, receive_frames, run, server_options, show, text_of
 from netmq_example.replies import reply_to
 from netmq_example.security.allow_list import AllowList, keys_for
 
@@ -37,7 +37,7 @@ def serve(socket: Socket, allowed: AllowList) -> None:
         frame = receive_frames(socket)[-1]
         name = allowed.name_of(frame)
         text = text_of(frame.bytes)
-        allowed.report(f"{name or 'nobody knows who'} from {frame.get('Peer-Address')}: {text!r:.80}")
+        show(f"{name or 'nobody knows who'} from {frame.get('Peer-Address')}: {text!r:.80}")
         socket.send(reply_to(partial(answer, name), frame.bytes) if name else REFUSED)
 
 

@@ -21,7 +21,7 @@ with importing("aiohttp and python-socketio; kit.py run 16 installs them", stopp
 
 async def talk(options: argparse.Namespace) -> None:
     kind = SocketIORequester if options.socketio else WebSocketRequester
-    async with kind(options.endpoint, "hello", options.token, options.timeout) as requester:
+    async with kind(options.endpoint, "hello", token=options.token, timeout=options.timeout) as requester:
         for i in range(1, options.count + 1):
             reply = await requester.request(options.text)
             print(f"{i}: sent {options.text}, received {printable(' '.join(reply))}", flush=True)

@@ -23,10 +23,11 @@ from netmq_example.security.requester import client_keys
 
 with importing("aiohttp and python-socketio; kit.py run 16 installs them"):
     from aiohttp import web
+    from until_killed import run_until_killed
 
     from netmq_example.web import socketio, websocket
     from netmq_example.web.browser_socket import BrowserSocket, Listener, Requester, for_browsers
-    from netmq_example.web.door import Door, run_until_killed
+    from netmq_example.web.door import Door
 
 # Your own servers go here. A browser asks for a name: it must never choose an address of the network behind.
 SERVERS = {"hello": "tcp://127.0.0.1:5551", "background": "tcp://127.0.0.1:5554"}
@@ -69,7 +70,10 @@ def main() -> None:
     for name, endpoint in (SERVERS | PUBLISHERS).items():
         parser.add_argument(f"--{name}", type=client_endpoint(endpoint), default=endpoint, help=f"default: {endpoint}")
     options = parser.parse_args()
-    run_until_killed(serve(options))
+    try:
+        run_until_killed(serve(options))
+    except ValueError as error:
+        parser.error(str(error))
 
 
 if __name__ == "__main__":

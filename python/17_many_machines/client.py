@@ -9,7 +9,9 @@
 Bytes: those of lesson 09, see netmq_example/simulation/simulator.py.
 """
 
+import os
 import sys
+import time
 from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
@@ -18,8 +20,24 @@ from netmq_example.security.requester import client_keys
 
 with importing("gymnasium; kit.py run 17 installs it", stopped="stopped"):
     from netmq_example.fleet.simulator import FleetSimulator
+    from netmq_example.records import STEP, Record
     from netmq_example.simulation.simulator import EnvironmentClient, Simulator
     from netmq_example.worlds.cart_pole import CartPole
+
+
+class Mortal(FleetSimulator):
+    """Trouble on command: it ends instead of one more step than `crash_after`, and takes `delay` seconds for each."""
+
+    crash_after = 0
+    delay = 0.0
+
+    def do(self, request: Record) -> Record:
+        if STEP in request.marks:
+            if 0 < self.crash_after <= self.steps:
+                show(f"crash after {self.steps} steps, as told")
+                os._exit(1)
+            time.sleep(self.delay)
+        return super().do(request)
 
 
 def main() -> None:
@@ -33,8 +51,10 @@ def main() -> None:
     parser.add_argument("--delay", type=seconds, default=0, help="seconds that each step takes")
     options = parser.parse_args()
     show(f"asking {options.endpoint}")
-    simulator = FleetSimulator(Simulator(CartPole()), options.build, options.crash_after, options.delay)
-    client = EnvironmentClient(options.endpoint, options.timeout, show, options.keys.apply if options.keys else None)
+    simulator = Mortal(Simulator(CartPole()), build=options.build)
+    simulator.crash_after, simulator.delay = options.crash_after, options.delay
+    prepare = options.keys.apply if options.keys else None
+    client = EnvironmentClient(options.endpoint, timeout=options.timeout, prepare=prepare)
     client.run(simulator, options.count)
     show(f"done: {simulator.episodes} episodes, {simulator.steps} steps")
 

@@ -53,7 +53,8 @@ def main() -> None:
 
     with listening(zmq.ROUTER, options, 4 * LIMIT, prepare) as socket:
         board = Board()
-        hub = Hub(socket, board.report, options.build, options.late, options.timeout, options.idle)
+        times = {"late": options.late, "timeout": options.timeout, "idle": options.idle}
+        hub = Hub(socket, build=options.build, report=board.report, **times)
         while True:
             if socket.poll(50):
                 # Only a frame knows who sent it; bytes are faster.

@@ -71,7 +71,7 @@ def main() -> None:
     try:
         keys = ClientKeys(options.keys).apply if options.keys else None
         where: dict[str, Any] = {"wait": options.timeout, "timeout": options.timeout, "autoreset_mode": "Disabled"}
-        with FleetSocket(options.endpoint, "CartPole", options.areas, keys) as socket:
+        with FleetSocket(options.endpoint, "CartPole", options.areas, prepare=keys) as socket:
             envs = gymnasium.make_vec("NetMQExample/CartPole-v0", options.areas, socket=socket, **where)
             returns = play(envs, options.episodes)
             envs.close()

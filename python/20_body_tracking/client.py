@@ -13,8 +13,6 @@ import time
 from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
-import zmq
-
 from netmq_example.body.listener import LANDMARKS, BodyListener, BodyPose
 from netmq_example.program import client_options, run, seconds, whole
 
@@ -44,8 +42,7 @@ def main() -> None:
     topic = f"hand/{options.hand}/" if options.hand else f"pose/{options.person}/"
     who = f"{options.hand} hand" if options.hand else f"person {options.person}"
     print(f"listening to '{topic}' from {options.endpoint}", flush=True)
-    with zmq.Context() as context, context.socket(zmq.SUB) as socket:
-        listener = BodyListener(socket, options.endpoint, topic)
+    with BodyListener(options.endpoint, topic) as listener:
         i = 0
         while i < options.count or not options.count:
             pose = listener.receive(options.timeout)

@@ -7,15 +7,15 @@
 The bytes are in server.py.
 """
 
+import logging
 import sys
 from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
-import zmq
+from speech import Speech, a_prompt, ask
 
 from netmq_example.jobs.client import JobClient
 from netmq_example.program import at_least_one, client_options, option, printable, run, whole
-from netmq_example.talk.speech import Speech, a_prompt, ask
 
 
 def main() -> None:
@@ -26,11 +26,9 @@ def main() -> None:
     parser.add_argument("--leave-after", type=whole, default=0, metavar="N", help="walk away when N words were said")
     parser.add_argument("--tries", type=at_least_one, default=5, help="how often to connect anew before giving up")
     options = parser.parse_args()
-    with (
-        Speech() as speech,
-        zmq.Context() as context,
-        JobClient(context, options.endpoint, None, options.timeout, options.tries, speech.say) as client,
-    ):
+    limits = {"timeout": options.timeout, "tries": options.tries}
+    with Speech() as speech, JobClient(options.endpoint, **limits) as client:
+        logging.getLogger("netmq_example.client").addFilter(speech.make_way)
         print(f"asking {options.endpoint}: {printable(options.prompt)}", flush=True)
         # Each news has all that was said so far, so that one that is lost loses no word.
         for news in client.watch(ask(client, options.prompt, options.count)):

@@ -20,6 +20,7 @@ import zmq
 from small_talk import small_talk
 
 from netmq_example import check
+from netmq_example.errors import Error
 from netmq_example.jobs.jobs import Jobs
 from netmq_example.jobs.journal import Journal
 from netmq_example.jobs.work import Kind
@@ -42,7 +43,7 @@ def main() -> None:
     try:
         # To speak is a job: the words are its feedback, ten times a second at most, which is faster than one reads.
         jobs = Jobs(Journal(options.journal), {"talk": Kind(talk, most=1000)}, options.workers)
-    except ValueError as error:
+    except (Error, ValueError) as error:
         parser.error(str(error))
     with contextlib.closing(jobs), listening(zmq.ROUTER, options, prepare=few_answers_wait) as socket:
         while True:

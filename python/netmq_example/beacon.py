@@ -10,6 +10,7 @@ no broadcast and some networks carry none. Anybody can answer: who the server is
 """
 
 import contextlib
+import logging
 import re
 import socket
 import sys
@@ -38,6 +39,8 @@ EVERYBODY = ("127.0.0.1", "255.255.255.255")
 MOST_NETWORKS = 4
 NAME = "[A-Za-z0-9._-]{1,32}"
 
+log = logging.getLogger("netmq_example.server")
+
 
 def beacon_name(name: str, value: Any) -> str:
     """A rule, as those of check.py: what a server is asked for by."""
@@ -52,8 +55,8 @@ def datagram(name: str, mark: str) -> bytes:
 
 @contextlib.contextmanager
 def answering(name: str | None, endpoint: str) -> Iterator[None]:
-    """Answers for a server that is bound to tcp://ADDRESS:PORT, on a thread, and prints its beacon. Error if
-    nobody could hear it. Without a name nothing is done.
+    """Answers for a server that is bound to tcp://ADDRESS:PORT, on a thread, and logs its beacon. Error if nobody
+    could hear it. Without a name nothing is done.
     """
     if not name:
         yield
@@ -69,9 +72,9 @@ def answering(name: str | None, endpoint: str) -> Iterator[None]:
         except OSError as error:
             raise Error(f"no beacon on UDP port {port}: {error.strerror}; give --endpoint another port") from None
         ear.settimeout(0.2)
-        thread = threading.Thread(target=answer, args=(ear, name, over), daemon=True)
+        thread = threading.Thread(target=answer, args=(ear, name, over), daemon=True, name="netmq_example beacon")
         thread.start()
-        print(f"found as beacon://{name}:{port}", flush=True)
+        log.info("found as beacon://%s:%s", name, port)
         try:
             yield
         finally:
@@ -199,7 +202,7 @@ def unknown_host(endpoint: str) -> str:
             unknown.append(f"unknown host '{host}'")
 
     if scheme not in ("beacon", "ipc", "inproc"):
-        thread = threading.Thread(target=look_up, daemon=True)
+        thread = threading.Thread(target=look_up, daemon=True, name="netmq_example look-up")
         thread.start()
         thread.join(LOOK_UP_SECONDS)
     return "".join(unknown)

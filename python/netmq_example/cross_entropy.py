@@ -8,6 +8,7 @@ method for combinatorial and continuous optimization*, 1999). A policy pushes to
 the observation, plus its bias, are above 0. It needs gymnasium.
 """
 
+import logging
 import time
 from collections.abc import Callable
 from typing import Any
@@ -16,6 +17,7 @@ import gymnasium
 import numpy as np
 
 from netmq_example import check
+from netmq_example.errors import Lost
 
 # Of an episode, at most; and the mean of a generation that is good enough.
 STEPS = 200
@@ -27,9 +29,11 @@ TRIALS = 5
 # A policy, and the seed from which it is played: the number of steps is the same, wherever that is done.
 Episode = tuple[Any, int]
 
+log = logging.getLogger("netmq_example.envs")
+
 
 def play(env: gymnasium.Env[Any, Any], policy: Any, seed: int) -> int:
-    """How many steps the pole stays up; ConnectionError if the simulator is lost."""
+    """How many steps the pole stays up; Lost if the simulator is."""
     if np.shape(policy) != (5,):
         raise ValueError(f"policy takes five numbers, four weights and a bias, not {policy!r:.40}")
     seen, info = env.reset(seed=seed)
@@ -38,14 +42,14 @@ def play(env: gymnasium.Env[Any, Any], policy: Any, seed: int) -> int:
     while not over:
         seen, _, terminated, truncated, info = env.step(int(policy[:4] @ seen + policy[4] > 0))
         if "lost" in info:
-            raise ConnectionError(info["lost"])
+            raise Lost(info["lost"])
         steps += 1
         over = terminated or truncated
     return steps
 
 
 def train(play_all: Callable[[list[Episode]], list[int]], seed: int, generations: int) -> list[float]:
-    """The means of the generations, until one is good enough; prints a line for each."""
+    """The means of the generations, until one is good enough; logs a line for each."""
     check.function("play_all", play_all)
     random = np.random.default_rng(check.count("seed", seed, least=0))
     check.count("generations", generations, least=0)
@@ -68,6 +72,6 @@ def train(play_all: Callable[[list[Episode]], list[int]], seed: int, generations
         total += int(returns.sum()) + sum(trials)
         rate = total / (time.monotonic() - begin)
         reached = f"mean {means[-1]:.1f} of {STEPS}, {total:,} steps, {rate:,.0f} a second"
-        print(f"generation {len(means)}: {reached}", flush=True)
-    print(f"policy: {' '.join(f'{number:.6f}' for number in middle)}")
+        log.info("generation %s: %s", len(means), reached)
+    log.info("policy: %s", " ".join(f"{number:.6f}" for number in middle))
     return means

@@ -36,9 +36,9 @@ from netmq_example.base_env import (
     ObservationSpec,
     TerminalSteps,
 )
-from netmq_example.envs.connection import Lost
 from netmq_example.envs.gym_env import ZmqEnv
 from netmq_example.envs.side_channels import carry
+from netmq_example.errors import Lost
 from netmq_example.exception import (
     UnityActionException,
     UnityCommunicatorStoppedException,

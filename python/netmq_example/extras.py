@@ -1,20 +1,9 @@
 """A package that is missing is named with its cure: the kernel of a notebook has packages of its own."""
 
-import importlib
-
 from netmq_example.errors import pip_install
 
 # The name on PyPI, where it is another one than that of the module.
 ON_PYPI = {"PIL": "pillow", "socketio": "python-socketio"}
-
-
-def needed(*modules: str) -> None:
-    """What all of a folder need. ImportError names the first that is missing, and what installs it."""
-    for module in modules:
-        try:
-            importlib.import_module(module)
-        except ImportError as error:
-            raise without(error) from None
 
 
 def without(error: ImportError) -> ImportError:

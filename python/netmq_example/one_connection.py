@@ -6,6 +6,7 @@ from typing import Any
 
 import zmq
 
+from netmq_example.errors import Timeout
 from netmq_example.program import SLICE_MS
 
 # For a connection, and then for the answer to hello: so long waits the first try.
@@ -14,7 +15,7 @@ NO_CONNECTION = "no connection"
 
 
 def connect_once(socket: zmq.Socket[Any], endpoint: str, wait: float, stop: threading.Event | None = None) -> None:
-    """Wait for it so many seconds. TimeoutError: it did not come.
+    """Wait for it so many seconds. Timeout: it did not come.
 
     ConnectionRefusedError: nobody listens, or whoever does hung up.
     """
@@ -29,7 +30,7 @@ def connect_once(socket: zmq.Socket[Any], endpoint: str, wait: float, stop: thre
         try:
             socket.connect(endpoint)
             if not poll(socket, zmq.POLLOUT, wait, stop):
-                raise (ConnectionRefusedError if refused.poll(0) else TimeoutError)(NO_CONNECTION)
+                raise (ConnectionRefusedError if refused.poll(0) else Timeout)(NO_CONNECTION)
         finally:
             socket.disable_monitor()
 

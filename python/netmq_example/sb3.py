@@ -38,6 +38,8 @@ except ImportError as error:
 
 from netmq_example.space_bytes import together
 
+__all__ = ["Areas", "PlainSpaces"]
+
 # How many items of a sequence a policy sees.
 MOST_ITEMS = 8
 ARRAYS = (spaces.Box, spaces.Discrete, spaces.MultiDiscrete, spaces.MultiBinary)

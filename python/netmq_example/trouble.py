@@ -1,7 +1,7 @@
 """What went wrong, in a line a second at most: many messages that are wrong must not fill a disk.
 
-    report = Trouble(print)
-    report("unknown channel")                      prints: trouble: unknown channel (and 300 more)
+    report = Trouble(log.warning)
+    report("unknown channel")                      logs: trouble: unknown channel (and 300 more)
 
 The servers of lessons 09 to 11 report by it, and so do lesson 13's managers and carriers. In C# it is Trouble.cs.
 """

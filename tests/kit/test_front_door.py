@@ -1,6 +1,7 @@
 """The front door: what `import netmq_example` gives to a program of one's own."""
 
 import builtins
+import importlib
 import pickle
 import subprocess
 import sys
@@ -26,6 +27,7 @@ import pydoc
 text = pydoc.plain(pydoc.render_doc(netmq_example))
 print(*(name for name in netmq_example.__all__ if name not in text or not getattr(netmq_example, name)))
 """
+OTHERS = ["body", "camera", "fleet", "jobs", "security", "side_channel", "video", "web"]
 
 
 def test_it_loads_nothing_and_needs_pyzmq_alone():
@@ -45,6 +47,53 @@ def test_there_are_28_names_and_no_others():
     assert set(netmq_example.__all__) <= set(dir(netmq_example))
     with pytest.raises(AttributeError, match=r"^module 'netmq_example' has no attribute 'Nonsense'$"):
         _ = netmq_example.Nonsense
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_another_door_loads_nothing_either_and_has_its_names(name):
+    words = [
+        sys.executable,
+        "-c",
+        ALONE.partition("import pydoc")[0].replace("netmq_example\n", f"netmq_example.{name}\n"),
+    ]
+    done = subprocess.run(words, cwd=ROOT / "python", capture_output=True, text=True, timeout=LIMIT, check=False)
+    assert done.returncode == 0, done.stderr
+    room = f"netmq_example.{name}"
+    loaded = {each for each in done.stdout.split() if "netmq_example" in each or "zmq" in each}
+    assert loaded == {"netmq_example", "netmq_example.doors", room}
+    door = importlib.import_module(room)
+    assert set(door.__all__) == set(door.ROOMS) and set(door.__all__) <= set(dir(door))
+    for each in door.__all__:
+        try:
+            assert getattr(door, each).__name__ == each
+        except ImportError as lacking:
+            assert "-m pip install " in str(lacking)
+    with pytest.raises(AttributeError, match=rf"^module '{room}' has no attribute 'Nonsense'$"):
+        _ = door.Nonsense
+
+
+SHAPES = {
+    "security.SecureRequester": {},
+    "camera.DriverClient": {},
+    "jobs.JobClient": {},
+    "body.BodyListener": {"topic": "pose/0/"},
+    "fleet.FleetSocket": {"name": "CartPole", "areas": 1},
+    "video.Films": {},
+    "side_channel.ClientCarrier": {"context": zmq.Context.instance()},
+}
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_what_has_a_socket_shows_its_endpoint_and_is_closed_once(name):
+    room, _, kind = name.partition(".")
+    try:
+        made = getattr(importlib.import_module(f"netmq_example.{room}"), kind)
+    except ImportError as lacking:
+        pytest.skip(str(lacking))
+    endpoint = steady_endpoint()
+    with made(endpoint=endpoint, **SHAPES[name]) as opened:
+        assert repr(opened) == f"{kind}('{endpoint}')"
+        opened.close()
 
 
 @pytest.mark.parametrize(

@@ -194,12 +194,13 @@ def test_other_sizes_and_two_cars_get_folders_of_their_own(serve, ask, tmp_path,
     assert [len(rows(folder)) for folder in sorted((tmp_path / "runs").iterdir())] == [3, 3, 2]
 
 
-def test_each_hundred_pictures_are_said(tmp_path):
-    lines = []
-    keeper = Recorder(tmp_path, lines.append)
+def test_each_hundred_pictures_are_said(tmp_path, caplog):
+    caplog.set_level("INFO", "netmq_example")
+    keeper = Recorder(tmp_path)
     for number in range(201):
         keeper.add(frame(number), action(number))
     where = tmp_path / "run_0001"
+    lines = caplog.messages
     assert lines[0] == f"recording to {where}: center, 32 x 24"
     assert lines[1:] == [f"recorded {count} pictures to {where}" for count in (100, 200)]
 
@@ -242,16 +243,15 @@ DAMAGES = {
 
 
 @pytest.mark.parametrize("damage", DAMAGES.values(), ids=DAMAGES)
-def test_a_row_that_cannot_be_read_is_said_and_left_out(damage, tmp_path, capsys):
+def test_a_row_that_cannot_be_read_is_said_and_left_out(damage, tmp_path, caplog):
     """And Excel's mark at the beginning is none."""
     folder = recorded(tmp_path, 9)
     columns, *lines = (folder / "metadata.csv").read_bytes().splitlines(keepends=True)
     lines[5] = damage(lines[5])
     (folder / "metadata.csv").write_bytes(b"".join(["\ufeff".encode(), columns, *lines]))
-    capsys.readouterr()
     found = [(row.values["frame"], *row.pictures) for row in recording.recorded(folder)]
     assert found == [(number, "center") for number in (0, 1, 2, 3, 4, 6, 7, 8)]
-    (said,) = capsys.readouterr().out.splitlines()
+    (said,) = caplog.messages
     assert said.startswith("trouble: line 7 of metadata.csv is left out")
 
 
@@ -458,7 +458,7 @@ def test_a_kill_loses_at_most_the_last_picture(serve, start, client_command, tmp
 
 
 @pytest.mark.parametrize("full", range(5))
-def test_nothing_half_written_stays(full, tmp_path, monkeypatch, plain, capsys):
+def test_nothing_half_written_stays(full, tmp_path, monkeypatch, plain, caplog):
     """The disk is full from the second picture on, at each place where something is written."""
     keeper = Recorder(tmp_path)
     assert keeper.add(frame(1, plain, plain, cameras="left,right"), action(1)) is None
@@ -488,10 +488,10 @@ def test_nothing_half_written_stays(full, tmp_path, monkeypatch, plain, capsys):
     keeper.add(frame(2, plain, plain, cameras="left,right"), action(2))
     assert [len(rows(drive.folder, name)) for name in ("metadata.csv", "driving_log.csv")] == [1 + (full == 4)] * 2
     assert len(list((drive.folder / "IMG").iterdir())) == 2 * (1 + (full == 4))
-    assert ("No space left on device" in capsys.readouterr().out) == (full < 4)
+    assert ("No space left on device" in caplog.text) == (full < 4)
 
 
-def test_a_folder_that_cannot_be_written_to_is_named_and_the_recording_stops(tmp_path, capsys):
+def test_a_folder_that_cannot_be_written_to_is_named_and_the_recording_stops(tmp_path, caplog):
     (tmp_path / "file").write_text("a file", encoding="utf-8")
     places = [tmp_path / "file"]
     if sys.platform != "win32":
@@ -501,19 +501,20 @@ def test_a_folder_that_cannot_be_written_to_is_named_and_the_recording_stops(tmp
         keeper = Recorder(place)
         for number in range(3):
             keeper.add(frame(number), action(number))
-        (line,) = capsys.readouterr().out.splitlines()
+        (line,) = caplog.messages
+        caplog.clear()
         assert re.match(f"trouble: recording has stopped, the car drives on: .*{place.name}", line)
     assert (tmp_path / "file").read_text(encoding="utf-8") == "a file"
 
 
-def test_so_many_cars_are_recorded_and_no_more(tmp_path, capsys):
+def test_so_many_cars_are_recorded_and_no_more(tmp_path, caplog):
     keeper = Recorder(tmp_path)
     for number in range(3):
         for car in range(MOST_DRIVES + 5):
             keeper.add(frame(number, run=f"car {car}"), action(number))
     folders = list(tmp_path.glob("run_*"))
     assert len(folders) == MOST_DRIVES and all(len(rows(folder)) == 3 for folder in folders)
-    assert sum(line.startswith(f"trouble: {MOST_DRIVES} cars") for line in capsys.readouterr().out.splitlines()) == 1
+    assert sum(line.startswith(f"trouble: {MOST_DRIVES} cars") for line in caplog.messages) == 1
 
 
 def test_numbers_that_go_back_are_recorded_and_none_twice(tmp_path):

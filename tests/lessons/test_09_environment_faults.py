@@ -400,7 +400,7 @@ def test_half_a_hello_is_none(make, inside):
         for rest in (half, b"\x00\x05hello"):
             with sockets.create_connection(("127.0.0.1", int(endpoint.rpartition(":")[2])), timeout=LIMIT) as raw:
                 raw.sendall(greeting + ready.replace(b"\x1a", bytes([len(ready) - 2])) + rest)
-        EnvironmentClient(endpoint, LIMIT, len).run(Simulator(CartPole()))
+        EnvironmentClient(endpoint, timeout=LIMIT).run(Simulator(CartPole()))
 
     threading.Thread(target=come_and_leave, daemon=True).start()
     env = make(socket=socket, disable_env_checker=True)

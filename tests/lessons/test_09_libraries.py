@@ -39,7 +39,7 @@ from netmq_example.simulation.scene import SceneSimulator
 from netmq_example.simulation.simulator import EnvironmentClient
 from netmq_example.worlds.coin_car import CoinCar
 *names, _, endpoint = sys.argv[1:]
-EnvironmentClient(endpoint, 60).run(SceneSimulator("Coins", 0.1, [CoinCar(name) for name in names]))
+EnvironmentClient(endpoint, timeout=60).run(SceneSimulator("Coins", 0.1, [CoinCar(name) for name in names]))
 """
 SEEN = seen_space(False)
 BOTH = {"observation_space": SEEN, "action_space": ACTION}

@@ -157,7 +157,7 @@ class Game:
         """Its views, to be ended by `hide`."""
         self.views = [FilmView(name, *self.size) for name in ("map", "front")]
         self.over.clear()
-        sender = ViewSender(endpoint, 60, lambda line: None)
+        sender = ViewSender(endpoint, timeout=60)
         self.threads = [
             threading.Thread(target=sender.run, args=(self.views, self.over), daemon=True),
             threading.Thread(target=self.play, daemon=True),
@@ -362,14 +362,14 @@ def test_a_scene_without_a_view_says_what_to_add(make, monkeypatch):
         env.begin_render()
 
 
-def test_a_film_goes_on_when_its_game_is_gone_and_in_the_one_that_comes_then(make, game, capsys):
+def test_a_film_goes_on_when_its_game_is_gone_and_in_the_one_that_comes_then(make, game, caplog):
     env = make(render_mode="rgb_array_list")
     env.reset()
     env.step(1)
     game.hide()
     env.step(1)
     assert steps_of(env.render()) == [0, 1, 1]
-    assert capsys.readouterr().out.count("; the picture before is shown once more") == 1
+    assert caplog.text.count("; the picture before is shown once more") == 1
     # A game that is launched anew has its views a little later than its simulator.
     threading.Timer(0.3, game.show, [env.renderer.films.game.endpoint]).start()
     env.reset()

@@ -31,8 +31,8 @@ def scene(checks, start):
 
 
 @pytest.fixture
-def run(scene, capsys, monkeypatch):
-    """The page's script, and such a scene: what the script prints, its error, and the scene."""
+def run(scene, capsys, caplog, monkeypatch):
+    """The page's script, and such a scene: what the script logs and prints, its error, and the scene."""
 
     def run(*how, before_close=""):
         endpoint, names, error = steady_endpoint(), {}, ""
@@ -48,7 +48,8 @@ def run(scene, capsys, monkeypatch):
             error = str(refusal)
         finally:
             names["env"].close()
-        return capsys.readouterr().out.replace(endpoint, "tcp://127.0.0.1:5561"), error, player
+        said = "".join(f"{line}\n" for line in caplog.messages) + capsys.readouterr().out
+        return said.replace(endpoint, "tcp://127.0.0.1:5561"), error, player
 
     return run
 

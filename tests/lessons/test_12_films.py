@@ -16,10 +16,10 @@ from tests.programs import LIMIT
 
 np = pytest.importorskip("numpy", reason="lesson 12 needs numpy: kit.py run 12 installs it")
 Image = pytest.importorskip("PIL.Image", reason="lesson 12 needs Pillow: kit.py run 12 installs it")
-from netmq_example.messages import Array, Message, MessageError  # noqa: E402
+from netmq_example.errors import Lost, Refused  # noqa: E402
+from netmq_example.messages import Array, Message  # noqa: E402
 from netmq_example.video.film_writer import open_film  # noqa: E402
 from netmq_example.video.films import Films  # noqa: E402
-from netmq_example.video.game import Lost  # noqa: E402
 from netmq_example.video.view_sender import FilmView, ViewSender  # noqa: E402
 from tests.lessons.test_12_video import is_whole, shown  # noqa: E402
 
@@ -228,8 +228,8 @@ class Game:
     def __init__(self, endpoint, sizes=None):
         sizes = sizes or {"one": (64, 48), "two": (32, 24)}
         self.views = [FilmView(name, *size) for name, size in sizes.items()]
-        self.lines, self.over = [], threading.Event()
-        self.sender = ViewSender(endpoint, 30, self.lines.append)
+        self.over = threading.Event()
+        self.sender = ViewSender(endpoint)
         self.threads = [threading.Thread(target=self.sender.run, args=(self.views, self.over))]
         self.threads.append(threading.Thread(target=self.play))
         for thread in self.threads:
@@ -256,7 +256,11 @@ class Heard(Films):
 
     def __init__(self):
         self.lines = []
-        super().__init__("tcp://127.0.0.1:*", report=self.lines.append)
+        super().__init__("tcp://127.0.0.1:*")
+
+    def say(self, log, line):
+        self.lines.append(line)
+        super().say(log, line)
 
 
 @pytest.fixture
@@ -320,14 +324,14 @@ def test_what_cannot_be_done_is_said(films, game, tmp_path):
         ({"width": 65}, "bad-size: one is at most 64 x 48"),
         ({"fps": 1001, "path": None}, "bad-rate: fps is at most 1000, and 0 for pictures on demand alone"),
     ):
-        with pytest.raises(MessageError, match=why):
+        with pytest.raises(Refused, match=why):
             films.begin_render(**wrong)
-    with pytest.raises(MessageError, match="not-filmed: one is not being filmed"):
+    with pytest.raises(Refused, match="not-filmed: one is not being filmed"):
         films.end_render("one")
     with pytest.raises(OSError, match="No such file or directory"):
         films.begin_render("one", "nowhere/film.gif")
     films.begin_render("one", width=-1, height=-1)
-    with pytest.raises(MessageError, match="busy-view: one is being filmed already: end that film first"):
+    with pytest.raises(Refused, match="busy-view: one is being filmed already: end that film first"):
         films.begin_render("one", "other.gif")
     while not films.films["one"].frames:
         time.sleep(0.01)

@@ -252,14 +252,12 @@ def sending(**words):
     ("call", "wrong", "named"),
     [
         (lambda it: Films("tcp://127.0.0.1:*", timeout=it), NOTHING, "timeout"),
-        (lambda it: Films("tcp://127.0.0.1:*", report=it), NOTHING, "report"),
         (lambda it: Films(it), (0, -1, None, ""), "endpoint"),
         (lambda it: Films(it), ("tcp://127.0.0.1:99999", "nonsense"), "write it like tcp://127.0.0.1:5562"),
-        (lambda it: Films("tcp://127.0.0.1:*", it), (0, 5, "", []), "^socket"),
+        (lambda it: Films("tcp://127.0.0.1:*", socket=it), (0, 5, "", []), "^socket"),
         (lambda it: ViewFilm(it, None, 25), (0, None, b"x"), "^view"),
         (lambda it: sending(endpoint=it), (*NOTHING, "tcp://127.0.0.1:0"), "endpoint"),
         (lambda it: sending(timeout=it), NOTHING, "timeout"),
-        (lambda it: sending(report=it), NOTHING, "report"),
         (lambda it: FilmView(it, 8, 8), (*NOTHING, "bad/name"), "^a view"),
         (lambda it: FilmView("one", it, 8), (*NOTHING, 1.5), "^a view"),
         (lambda it: FilmView("one", 8, it), (*NOTHING, 1.5), "^a view"),
@@ -364,7 +362,7 @@ def test_an_ffmpeg_that_hangs_is_killed(films, game, tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("names", [["one", "one"], []])
 def test_views_without_names_of_their_own_are_refused(names):
-    sender = ViewSender(steady_endpoint(), 30)
+    sender = ViewSender(steady_endpoint())
     with pytest.raises(ValueError, match=r"each view needs a name of its own: (one, one|none)"):
         sender.run([FilmView(name, 8, 8) for name in names], threading.Event())
 

@@ -331,7 +331,7 @@ def corridor():
 
     def make(*words, **more):
         port = steady_port()
-        client = EnvironmentClient(f"tcp://127.0.0.1:{port}", LIMIT)
+        client = EnvironmentClient(f"tcp://127.0.0.1:{port}", timeout=LIMIT)
         threads.append(threading.Thread(target=client.run, args=(Simulator(Corridor(*words)),), daemon=True))
         threads[-1].start()
         made.append(UnityEnvironment(base_port=port - 3, worker_id=3, **more))

@@ -84,7 +84,7 @@ if "--lesson-11" in sys.argv:
     simulator = SceneSimulator("Moon", 0.02, [Lander("a")])
 if "--without" not in sys.argv:
     simulator = SideChannelSimulator(simulator, SideChannelManager([parameters, stats]))
-EnvironmentClient(sys.argv[sys.argv.index("--endpoint") + 1], 20).run(simulator)
+EnvironmentClient(sys.argv[sys.argv.index("--endpoint") + 1], timeout=20).run(simulator)
 """
 
 

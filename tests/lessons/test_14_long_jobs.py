@@ -24,10 +24,12 @@ from kitlib.setup import dotnet
 from netmq_example.jobs import jobs as jobs_module
 from netmq_example.jobs.jobs import Jobs
 from netmq_example.jobs.journal import Journal
-from netmq_example.jobs.progress import Progress
 from tests.conftest import PYTHON
 from tests.lessons.long_jobs.peers import KEY, Message, jobs_server, peer, read, units
 from tests.programs import LIMIT, ROOT, finds_processes, leaves_nothing_to_collect
+
+sys.path.append(str(ROOT / "python" / KEY))
+from progress import Progress
 
 # SIGKILL by its name, which Windows has not.
 KILL = getattr(signal, "SIGKILL", signal.SIGTERM)

@@ -22,18 +22,21 @@ import pytest
 import zmq
 
 from kitlib.docs import guide
+from netmq_example.errors import Error
 from netmq_example.jobs import client as client_module
 from netmq_example.jobs import journal, workers
 from netmq_example.jobs.client import JobClient
 from netmq_example.jobs.jobs import Jobs
 from netmq_example.jobs.journal import Journal
-from netmq_example.jobs.progress import Progress, share, words
 from netmq_example.jobs.work import Kind, Step
 from netmq_example.jobs.workers import Workers
 from netmq_example.messages import Array, Message
 from tests.conftest import PYTHON
 from tests.lessons.long_jobs.peers import KEY, Message, copied, jobs_server, peer, read, units
 from tests.programs import LIMIT, ROOT
+
+sys.path.append(str(ROOT / "python" / KEY))
+import progress
 
 PAGE = [*guide.blocks(ROOT / "docs" / "guide" / f"{KEY}.md")]
 each_side = pytest.mark.parametrize("side", ["python", "csharp"])
@@ -138,7 +141,7 @@ def test_a_caller_that_takes_its_time_is_no_silence_of_the_servers(jobs_server, 
     clocks = SimpleNamespace(monotonic=lambda: time.monotonic() + later[0])
     monkeypatch.setattr(client_module, "time", clocks)
     _, endpoint = jobs_server()
-    with JobClient(context, endpoint, timeout=LIMIT, tries=1) as client:
+    with JobClient(endpoint, timeout=LIMIT, tries=1, context=context) as client:
         seen = []
         for news in client.watch(client.goal("count", 20)):
             seen.append(news)
@@ -290,7 +293,7 @@ def opens(path, tried, left):
     """The jobs in this journal; nothing for whoever does not get it."""
     try:
         journal = Journal(path)
-    except ValueError:
+    except Error:
         tried.wait(LIMIT)
         return None
     with closing(journal.db):
@@ -430,7 +433,7 @@ def made(context, tmp_path):
     """One of each, by its name."""
     journal = Journal(tmp_path / "journal.sqlite3")
     kinds = {"nothing": Kind(nothing, most=1)}
-    with closing(Jobs(journal, kinds).workers), JobClient(context, "tcp://127.0.0.1:1") as client:
+    with closing(Jobs(journal, kinds).workers), JobClient("tcp://127.0.0.1:1", context=context) as client:
         yield {"context": context, "journal": journal, "kinds": kinds, "client": client}
 
 
@@ -443,12 +446,11 @@ WRONG: dict[str, list[Any]] = {
     "total": [lambda value, made: Step(1, value), None, -1, NAN, "", 0.5],
     "text ": [lambda value, made: Step(1, 1, value), None, 0],
     "checkpoint": [lambda value, made: Step(1, 1, "", value), 0, b"1"],
-    "context": [lambda value, made: JobClient(value, "tcp://127.0.0.1:1"), None, 0, ""],
-    "endpoint": [lambda value, made: JobClient(made["context"], value), None, 0, "", "tcp://127.0.0.1:99999"],
-    "job": [lambda value, made: JobClient(made["context"], "tcp://x:1", value), 0, -1, NAN, "", "../x", "x" * 65],
-    "timeout": [lambda value, made: JobClient(made["context"], "tcp://x:1", None, value), None, 0, -1, NAN, ""],
-    "tries": [lambda value, made: JobClient(made["context"], "tcp://x:1", None, 1, value), None, 0, -1, NAN, ""],
-    "report": [lambda value, made: JobClient(made["context"], "tcp://x:1", None, 1, 1, value), None, 0, ""],
+    "context": [lambda value, made: JobClient("tcp://127.0.0.1:1", context=value), 0, ""],
+    "endpoint": [lambda value, made: JobClient(value), None, 0, "", "tcp://127.0.0.1:99999"],
+    "job": [lambda value, made: JobClient("tcp://x:1", job=value), 0, -1, NAN, "", "../x", "x" * 65],
+    "timeout": [lambda value, made: JobClient("tcp://x:1", timeout=value), None, 0, -1, NAN, ""],
+    "tries": [lambda value, made: JobClient("tcp://x:1", tries=value), None, 0, -1, NAN, ""],
     "kind": [lambda value, made: made["client"].goal(value, 1), None, 0, NAN],
     "count": [lambda value, made: made["client"].goal("count", value), None, 0, -1, NAN, "", 0.5],
     "text": [lambda value, made: made["client"].goal("count", 1, value), None, 0, NAN],
@@ -462,24 +464,24 @@ WRONG: dict[str, list[Any]] = {
     "workers ": [lambda value, made: Workers(value, made["kinds"]), None, 0, -1, NAN, "", 101],
     "queue": [lambda value, made: Jobs(made["journal"], made["kinds"], 1, value), None, 0, -1, NAN, ""],
     "grace": [lambda value, made: Jobs(made["journal"], made["kinds"], 1, 1, value), None, -1, NAN, ""],
-    "line": [lambda value, made: Progress().show(value), None, 0, NAN],
-    "share": [lambda value, made: Progress().show("line", value), -1, NAN, "", 2],
-    "news": [lambda value, made: words(value), None, 0, ""],
-    "news ": [lambda value, made: share(value), None, 0, ""],
+    "line": [lambda value, made: progress.Progress().show(value), None, 0, NAN],
+    "share": [lambda value, made: progress.Progress().show("line", value), -1, NAN, "", 2],
+    "news": [lambda value, made: progress.words(value), None, 0, ""],
+    "news ": [lambda value, made: progress.share(value), None, 0, ""],
 }
 
 
 def test_what_a_method_cannot_use_is_named(made):
     for name, (call, *values) in WRONG.items():
         for value in values:
-            with pytest.raises((ValueError, TypeError), match=rf"\b{name.strip()}\b") as caught:
+            with pytest.raises((Error, ValueError, TypeError), match=rf"\b{name.strip()}\b") as caught:
                 call(value, made)
             assert "\n" not in str(caught.value)
 
 
 def test_the_share_of_a_job_is_between_0_and_1():
     def feedback(done, total):
-        return share(Message("feedback", 1, {"done": done, "total": total, "text": ""}))
+        return progress.share(Message("feedback", 1, {"done": done, "total": total, "text": ""}))
 
     assert [feedback(*each) for each in [(0, 4), (1, 4), (1, 1), (0, 0), (9, 4)]] == [0.0, 0.25, 1.0, 0.0, 1.0]
-    assert share(Message("result", 1, {"done": 1, "total": 1})) is None
+    assert progress.share(Message("result", 1, {"done": 1, "total": 1})) is None

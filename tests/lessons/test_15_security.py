@@ -185,8 +185,8 @@ def test_a_server_that_makes_its_keys_says_where(tmp_path, start):
 
 def test_without_an_authenticator_nobody_comes_in(folder, serve, context):
     server, endpoint = serve(KEY, "--keys", str(folder), "--no-authenticator")
-    asker = SecureRequester(context, endpoint, ClientKeys(folder), 30, 1)
-    with contextlib.closing(asker), pytest.raises(TimeoutError, match="connected and thrown out"):
+    asker = SecureRequester(endpoint, keys=ClientKeys(folder), timeout=30, tries=1, context=context)
+    with asker, pytest.raises(TimeoutError, match="connected and thrown out"):
         asker.request("Hello")
     assert not [line for line in server.lines if "from" in line]
 
@@ -368,7 +368,7 @@ def test_the_server_on_the_page_knows_its_clients(folder, tmp_path, start, conne
     assert ask(live) == "error: your key is not on the list"
 
 
-def test_a_key_enrolled_in_another_folder_of_the_same_name_can_be_noticed(tmp_path, start):
+def test_a_key_enrolled_in_another_folder_of_the_same_name_can_be_noticed(tmp_path, start, caplog):
     """The server has its folder in one place, and keys.py its own in another."""
     for place in "ab":
         (tmp_path / place).mkdir()
@@ -376,14 +376,13 @@ def test_a_key_enrolled_in_another_folder_of_the_same_name_can_be_noticed(tmp_pa
     enrol = [PYTHON, FOLDER / "keys.py", "enrol", f"bob={zmq.curve_keypair()[0].decode()}"]
     said = finished(enrol, cwd=tmp_path / "a").stdout
     assert said == f"enrolled: bob, in {tmp_path / 'a' / 'keys' / 'allowed' / 'bob.key'}\n"
-    told = []
     before = os.getcwd()
     try:
         os.chdir(tmp_path / "b")
-        AllowList(Path("keys"), told.append).refuse("x", "127.0.0.1")
+        AllowList(Path("keys")).refuse("x", "127.0.0.1")
     finally:
         os.chdir(before)
-    assert told == [f"refused: key x from 127.0.0.1 is not in {tmp_path / 'b' / 'keys' / 'allowed'}"]
+    assert caplog.messages == [f"refused: key x from 127.0.0.1 is not in {tmp_path / 'b' / 'keys' / 'allowed'}"]
 
 
 BAD = ("tcp://127.0.0.1:0", "tcp://127.0.0.1:99999")
@@ -651,14 +650,13 @@ def test_nobody_on_the_wire_reads_a_word_and_a_recording_opens_nothing(side, fol
 # Many strangers
 
 
-def test_a_flood_of_new_keys_is_no_flood_of_lines(folder):
-    said = []
-    allowed = AllowList(folder, said.append)
+def test_a_flood_of_new_keys_is_no_flood_of_lines(folder, caplog):
+    allowed = AllowList(folder)
     for _ in range(1030):
         allowed.refuse(zmq.curve_keypair()[0].decode(), "192.0.2.1")
     allowed.report_again()
-    assert len(said) == 11
-    assert said[-1] == "refused: other keys, 1020 times"
+    assert len(caplog.messages) == 11
+    assert caplog.messages[-1] == "refused: other keys, 1020 times"
 
 
 UNCLOSED = """
@@ -713,7 +711,7 @@ def test_a_reply_is_all_of_its_frames(kind, run, context):
 
 
 def secure(context, **how):
-    return SecureRequester(context, how.pop("endpoint", "tcp://127.0.0.1:1"), **how)
+    return SecureRequester(how.pop("endpoint", "tcp://127.0.0.1:1"), context=context, **how)
 
 
 @pytest.mark.parametrize(
@@ -728,19 +726,17 @@ def secure(context, **how):
         ("name", lambda folder, context: keys.revoke(folder, "")),
         ("key takes", lambda folder, context: keys.enrol(folder, "bob", 0)),
         ("a key is", lambda folder, context: keys.checked("a" * 40)),
-        ("report", lambda folder, context: AllowList(folder, None)),
         ("context", lambda folder, context: AllowList(folder).answer(None)),
         ("socket", lambda folder, context: AllowList(folder).guard(None)),
         ("frame", lambda folder, context: AllowList(folder).name_of(b"Hello")),
         ("key", lambda folder, context: AllowList(folder).name(b"a" * 40)),
-        ("context", lambda folder, context: secure(None)),
+        ("context", lambda folder, context: secure(0)),
         ("endpoint", lambda folder, context: secure(context, endpoint="tcp://127.0.0.1:99999")),
         ("keys", lambda folder, context: secure(context, keys="")),
         ("timeout", lambda folder, context: secure(context, timeout=0)),
         ("timeout", lambda folder, context: secure(context, timeout=float("nan"))),
         ("tries", lambda folder, context: secure(context, tries=0)),
         ("tries", lambda folder, context: secure(context, tries=None)),
-        ("report", lambda folder, context: secure(context, report="print")),
         ("text", lambda folder, context: secure(context).request(None)),
     ],
 )
@@ -753,10 +749,9 @@ def test_what_cannot_be_is_named_at_once(name, attempt, folder, context):
 
 def test_a_subscriber_in_csharp_hears_only_with_a_key(folder, start, client_command):
     """Lesson 03's client as it is, with one option more; its PUB socket takes the keys itself."""
-    said: list[str] = []
     with zmq.Context() as servers, servers.socket(zmq.PUB) as publisher:
         publisher.linger = 0
-        allowed = AllowList(folder, said.append)
+        allowed = AllowList(folder)
         allowed.answer(servers)
         allowed.guard(publisher)
         endpoint = f"tcp://127.0.0.1:{publisher.bind_to_random_port('tcp://127.0.0.1')}"

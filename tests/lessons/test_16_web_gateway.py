@@ -28,7 +28,7 @@ from tests.programs import LIMIT, PATIENT, ROOT, Program, steady_endpoint
 aiohttp = pytest.importorskip("aiohttp", reason="lesson 16 needs aiohttp: kit.py run 16 installs it")
 web = pytest.importorskip("aiohttp.web")
 socketio = pytest.importorskip("socketio", reason="lesson 16 needs python-socketio: kit.py run 16 installs it")
-from netmq_example.errors import GaveUp  # noqa: E402
+from netmq_example.errors import Error  # noqa: E402
 from netmq_example.web.browser_socket import Listener, Requester  # noqa: E402
 from netmq_example.web.door import Door  # noqa: E402
 from netmq_example.web.requester import WebRequester, WebSocketRequester  # noqa: E402
@@ -308,7 +308,7 @@ def test_an_aiohttp_that_is_too_old_for_socket_io_is_named(serve, monkeypatch):
         async with SocketIORequester(endpoint, "hello", timeout=LIMIT) as requester:
             await requester.request("Hello")
 
-    with pytest.raises(GaveUp, match=r"^aiohttp is too old for this python-socketio .*pip install --upgrade aiohttp$"):
+    with pytest.raises(Error, match=r"^aiohttp is too old for this python-socketio .*pip install --upgrade aiohttp$"):
         asyncio.run(come())
 
 

@@ -318,7 +318,7 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from netmq_example.fleet.simulator import FleetSimulator
+from netmq_example import console
 from netmq_example.simulation.scene import Agent, Obs, SceneSimulator
 from netmq_example.simulation.simulator import EnvironmentClient
 
@@ -347,8 +347,13 @@ def scene(*names):
 
 
 if __name__ == "__main__":
-    simulator = FleetSimulator(scene("agent"), crash_after=int(sys.argv[2]))
-    EnvironmentClient(sys.argv[1], 60, lambda line: print(line, flush=True)).run(simulator)
+    sys.path.append(sys.argv[3])
+    from client import Mortal
+
+    console.log_lines()
+    simulator = Mortal(scene("agent"))
+    simulator.crash_after = int(sys.argv[2])
+    EnvironmentClient(sys.argv[1], timeout=60).run(simulator)
 """
 SPACES = {
     "observation_space": gymnasium.spaces.Dict(
@@ -371,7 +376,9 @@ def scenes(scene, start, tmp_path):
 
     def some(endpoint, *crashes):
         where = {"PYTHONPATH": str(ROOT / "python")}
-        programs = [start(PYTHON, tmp_path / "walk.py", endpoint, crash, **where) for crash in crashes]
+        programs = [
+            start(PYTHON, tmp_path / "walk.py", endpoint, crash, ROOT / "python" / KEY, **where) for crash in crashes
+        ]
         for program in programs:
             program.wait_for("^simulating Walk")
         return programs
@@ -570,19 +577,17 @@ def test_a_hub_that_was_stopped_sends_nobody_home():
     ("name", "attempt"),
     [
         *(("socket", lambda it=it: Hub(it)) for it in (0, None, "x", [])),
-        ("report", lambda: Hub(NoSocket(), None)),
+        ("report", lambda: Hub(NoSocket(), report=None)),
         ("build", lambda: Hub(NoSocket(), build=1)),
         ("late", lambda: Hub(NoSocket(), late=0)),
         ("timeout", lambda: Hub(NoSocket(), timeout=float("nan"))),
         ("idle", lambda: Hub(NoSocket(), idle=None)),
         ("simulator", lambda: FleetSimulator(CartPole())),
-        ("crash_after", lambda: FleetSimulator(Simulator(CartPole()), crash_after=-1)),
-        ("delay", lambda: FleetSimulator(Simulator(CartPole()), delay="1")),
-        ("build", lambda: FleetSimulator(Simulator(CartPole()), None)),
+        ("build", lambda: FleetSimulator(Simulator(CartPole()), build=None)),
         ("endpoint", lambda: FleetSocket(None, "CartPole", 1)),
         ("name", lambda: FleetSocket("tcp://127.0.0.1:5567", "", 1)),
         ("areas", lambda: FleetSocket("tcp://127.0.0.1:5567", "CartPole", 0)),
-        ("prepare", lambda: FleetSocket("tcp://127.0.0.1:5567", "CartPole", 1, "keys")),
+        ("prepare", lambda: FleetSocket("tcp://127.0.0.1:5567", "CartPole", 1, prepare="keys")),
     ],
 )
 def test_what_cannot_be_is_named_at_once(name, attempt):

@@ -54,8 +54,9 @@ def numbers(lines):
 
 
 @pytest.fixture
-def expected(capsys):
+def expected(caplog):
     """The lines of a training, and how many episodes there were."""
+    caplog.set_level("INFO", "netmq_example")
     env, played = gymnasium.wrappers.TimeLimit(Direct(), cross_entropy.STEPS), []
 
     def play_all(episodes):
@@ -63,7 +64,7 @@ def expected(capsys):
         return played[-len(episodes) :]
 
     cross_entropy.train(play_all, 0, 50)
-    return numbers(capsys.readouterr().out.splitlines()), len(played)
+    return numbers(caplog.messages), len(played)
 
 
 @pytest.fixture
@@ -128,7 +129,7 @@ def test_a_lost_simulator_is_launched_again_and_changes_no_number(train, expecte
     ("words", "text"),
     [
         (["--launch", "no/such/game"], "FileNotFoundError: no game at no/such/game: "),
-        (["--launch", "false"], "TimeoutError: the launched simulator ended with code 1"),
+        (["--launch", "false"], "netmq_example.errors.Timeout: the launched simulator ended with code 1"),
         (["--address", "nonsense"], "Invalid address format: nonsense"),
     ],
 )

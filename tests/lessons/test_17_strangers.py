@@ -369,21 +369,23 @@ def test_simulators_that_join_and_leave_leave_nothing_behind(hub, peer):
 # How it is shown
 
 
-def test_the_board_says_what_has_changed_and_makes_no_flood_of_lines(capsys):
+def test_the_board_says_what_has_changed_and_makes_no_flood_of_lines(caplog):
+    caplog.set_level("INFO", "netmq_example")
     board, hub = Board(), Hub(NoSocket())
     for number in range(MOST_LINES + 7):
         board.report(f"line {number}")
         board.report(f"line {number}")
-    assert capsys.readouterr().out.splitlines() == [f"line {number}" for number in range(MOST_LINES)]
+    assert caplog.messages == [f"line {number}" for number in range(MOST_LINES)]
     for changed in (False, True, False):
         hub.count["begun anew"] += changed
+        caplog.clear()
         board.show(hub)
-        assert capsys.readouterr().out == ""
+        assert not caplog.messages
         board.shown -= 1.1
         board.show(hub)
         said = "0 simulators, 0 free, 0 trainers, 0 at work, 0 episodes, 1 begun anew, 0 asked elsewhere"
         more, board.last_line = board.last_line and "7 lines more", ""
-        assert capsys.readouterr().out.splitlines() == [line for line in (more, said * changed) if line]
+        assert caplog.messages == [line for line in (more, said * changed) if line]
 
 
 def test_for_episodes_that_wait_a_simulator_is_sought_once():

@@ -102,9 +102,8 @@ def test_a_recording_of_ones_own_is_played_over_and_over(serve, tmp_path):
     people.write(tmp_path / "mine.csv", [(0.0, [body, []]), (0.02, [body, body])])
     assert people.read(tmp_path / "mine.csv") == [(0.0, [body, []]), (0.02, [body, body])]
     _, endpoint = serve(KEY, "--recording", str(tmp_path / "mine.csv"))
-    with zmq.Context() as context, context.socket(zmq.SUB) as stream:
-        stream.linger = 0
-        listener, numbers = body_listener.BodyListener(stream, endpoint, "pose/1/"), set()
+    numbers = set()
+    with body_listener.BodyListener(endpoint, "pose/1/") as listener:
         while len(numbers) < 6 or {number % 2 for number in numbers} != {0, 1}:
             pose = listener.receive(100)
             assert len(pose.landmarks) == (0 if pose.number % 2 else 33)
@@ -554,14 +553,14 @@ def listener(socket=None, endpoint="tcp://127.0.0.1:1", topic="pose/0/", timeout
     """Waits for a pose on a socket of its own, unless it is given one."""
     with zmq.Context() as context, context.socket(zmq.SUB) as own:
         own.linger = 0
-        return body_listener.BodyListener(own if socket is None else socket, endpoint, topic).receive(timeout)
+        return body_listener.BodyListener(endpoint, topic, socket=own if socket is None else socket).receive(timeout)
 
 
 WRONG = {
     "socket": [lambda value: listener(socket=value), 0, "", zmq.SUB],
     "endpoint": [lambda value: listener(endpoint=value), None, 0, "", "tcp://127.0.0.1:99999"],
     "topic": [lambda value: listener(topic=value), None, 0, "", "pose/0", "pose/-1/"],
-    "timeout": [lambda value: listener(timeout=value), None, 0, -1, NAN, ""],
+    "timeout": [lambda value: listener(timeout=value), 0, -1, NAN, ""],
     "a": [lambda value: POSE.angle(value, 1, 2), None, -1, NAN, "", 33],
     "a ": [lambda value: NOBODY.angle(value, 1, 2), 0],
     "c": [lambda value: POSE.angle(0, 1, value), None, 33],

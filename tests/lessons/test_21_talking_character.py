@@ -20,16 +20,15 @@ from kitlib.setup import dotnet
 from netmq_example.jobs.client import JobClient
 from netmq_example.jobs.work import WorkError
 from netmq_example.talk.ollama import ollama_talk
-from netmq_example.talk.speech import Speech, ask
 from tests.bad_peers import web_server
 from tests.conftest import CLIENTS
 from tests.lessons.long_jobs.peers import Message, Peer, read
 from tests.programs import LIMIT, ROOT, free_port, steady_endpoint
 
 KEY = "21_talking_character"
-# small_talk.py is beside the server.
 sys.path.append(str(ROOT / "python" / KEY))
 import small_talk  # noqa: E402
+from speech import Speech, ask  # noqa: E402
 
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 PROMPT = "Who built this bridge?"
@@ -396,7 +395,7 @@ WRONG = {
 )
 def test_what_a_method_cannot_use_is_named(name, call, value, context):
     with (
-        JobClient(context, "tcp://127.0.0.1:1") as client,
+        JobClient("tcp://127.0.0.1:1", context=context) as client,
         pytest.raises((ValueError, TypeError), match=rf"\b{name}\b") as caught,
     ):
         call(value, client)

@@ -9,7 +9,7 @@ import threading
 import pytest
 
 from netmq_example.beacon import BeaconSearch, answering
-from netmq_example.errors import GaveUp
+from netmq_example.errors import Error
 from tests.conftest import PYTHON
 from tests.machines import HUB
 from tests.programs import LIMIT, ROOT, free_port
@@ -223,12 +223,12 @@ def test_a_beacon_answers_its_own_question_and_nothing_else():
         with pytest.raises(BlockingIOError):
             stranger.recv(1000)
         second = answering("lab", f"tcp://0.0.0.0:{port}")
-        with pytest.raises(GaveUp, match=f"no beacon on UDP port {port}: .+; give --endpoint another port"), second:
+        with pytest.raises(Error, match=f"no beacon on UDP port {port}: .+; give --endpoint another port"), second:
             pass
     # The port is free again, and no thread is left.
     with answering("lab", f"tcp://0.0.0.0:{port}"):
         pass
-    assert not [thread for thread in threading.enumerate() if "answer" in thread.name]
+    assert not [thread for thread in threading.enumerate() if "beacon" in thread.name]
 
 
 def test_a_search_begins_anew_after_an_answer():

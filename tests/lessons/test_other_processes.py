@@ -139,7 +139,7 @@ from netmq_example.video.films import Films
 context, nowhere = zmq.Context(), "tcp://127.0.0.1:9"
 simulators = Simulators(FREE_PORT)
 client = BackgroundClient(nowhere)
-job = JobClient(context, nowhere)
+job = JobClient(nowhere)
 films = Films(FREE_PORT)
 uses = {{
     "environment": lambda: simulators.connection.ask(Message("render")),
@@ -147,8 +147,8 @@ uses = {{
     "BackgroundClient": lambda: client.request("x", print, print),
     "LazyPirate": lambda one=LazyPirate(context, nowhere): one.request("x"),
     "ManyRequester": lambda one=ManyRequester(context, nowhere): list(one.request_many(["x"])),
-    "DriverClient": lambda one=DriverClient(context, nowhere): one.send(Message("frame")),
-    "SecureRequester": lambda one=SecureRequester(context, nowhere): one.request("x"),
+    "DriverClient": lambda one=DriverClient(nowhere): one.send(Message("frame")),
+    "SecureRequester": lambda one=SecureRequester(nowhere): one.request("x"),
     "JobClient": lambda: next(job.watch(job.ask("status"))),
     "ClientCarrier": lambda one=ClientCarrier(context, nowhere): one.exchange(b"", 0.1),
     "Films": lambda: films.wait(0.1),

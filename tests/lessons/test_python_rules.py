@@ -77,8 +77,8 @@ def test_what_is_of_zmq_asyncio_is_refused_with_the_cure():
         for make in (
             lambda: LazyPirate(context, WHERE),
             lambda: ManyRequester(context, WHERE),
-            lambda: SecureRequester(context, WHERE),
-            lambda: JobClient(context, WHERE),
+            lambda: SecureRequester(WHERE, context=context),
+            lambda: JobClient(WHERE, context=context),
             lambda: ClientCarrier(context, WHERE),
             lambda: TopicListener(sub, WHERE, ""),
             lambda: PoseSubscriber(sub, WHERE),

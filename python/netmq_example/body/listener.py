@@ -1,8 +1,7 @@
 """The newest pose of a person or hand: how many were skipped for it, and how late it is.
 
-    with context.socket(zmq.SUB) as socket:
-        listener = BodyListener(socket, "tcp://127.0.0.1:5570", "pose/0/")
-        pose = listener.receive(timeout=5)                  a BodyPose, or TimeoutError
+    with BodyListener("tcp://127.0.0.1:5570", "pose/0/") as listener:
+        pose = listener.receive(timeout=5)                  a BodyPose, or Timeout
         print(pose.landmarks[26], listener.skipped, listener.behind)
 
 Landmarks are numbered as MediaPipe does, and in metres in Unity's axes: y points up, z away from the viewer.
@@ -14,9 +13,11 @@ import re
 import time
 from typing import NamedTuple
 
-import zmq
-
 from netmq_example import check
+from netmq_example.errors import Timeout
+from netmq_example.former import positional
+from netmq_example.one_process import OneProcess
+from netmq_example.program import Context, Socket
 from netmq_example.topic_listener import TopicListener
 
 LANDMARKS = {"pose": 33, "hand": 21}
@@ -65,14 +66,28 @@ def parse(message: str) -> BodyPose | None:
     return BodyPose(int(words[2]), float(words[3]), landmarks)
 
 
-class BodyListener:
-    def __init__(self, socket: zmq.Socket[bytes], endpoint: str, topic: str) -> None:
-        """The socket is a new SUB socket, which the caller closes; the topic is pose/0/, say, or hand/left/."""
-        check.blocking("socket", socket, zmq.Socket)
-        check.endpoint(endpoint, "tcp://127.0.0.1:5570", beacon=True)
+class BodyListener(OneProcess):
+    """Listens to one person or hand. Use it on one thread."""
+
+    @positional("socket", "endpoint", "topic")
+    def __init__(
+        self,
+        endpoint: str,
+        topic: str,
+        *,
+        timeout: float = 5.0,
+        socket: Socket | None = None,
+        context: Context | None = None,
+    ) -> None:
+        """The topic is pose/0/, say, or hand/left/. It waits `timeout` seconds for a pose.
+
+        A SUB socket with options of your own goes in as `socket`, and is closed by you.
+        """
+        self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5570", beacon=True)
         if not re.fullmatch(TOPIC, check.text("topic", topic)):
             raise ValueError(f"topic takes pose/0/, hand/left/ or hand/right/, not {topic!r:.40}")
-        self.listener = TopicListener(socket, endpoint, topic)
+        self.timeout = check.seconds("timeout", timeout)
+        self.listener = TopicListener(endpoint, topic, socket=socket, context=context)
         # The newest pose's, and how many were passed over for newer ones.
         self.number = 0
         self.skipped = 0
@@ -82,14 +97,15 @@ class BodyListener:
         # How much this clock is ahead of the server's, with the time of the quickest pose on its way.
         self.ahead = math.inf
 
-    def receive(self, timeout: float) -> BodyPose:
-        """Wait for a pose; TimeoutError if none comes."""
-        end = time.monotonic() + check.seconds("timeout", timeout)
+    def receive(self, timeout: float | None = None) -> BodyPose:
+        """The next pose. Timeout if none comes within so many seconds, or the listener's own."""
+        timeout = self.timeout if timeout is None else check.seconds("timeout", timeout)
+        end = time.monotonic() + timeout
         pose = parse(self.listener.newest(timeout))
         while not pose:
             # However much of something else comes.
             if time.monotonic() >= end:
-                raise TimeoutError(f"no pose from {self.listener.endpoint} within {timeout:g} s; is that this server?")
+                raise Timeout(f"no pose from {self.listener.endpoint} within {timeout:g} s; is that this server?")
             pose = parse(self.listener.newest(timeout))
         # Numbers begin anew with each start of the server, and seconds where it is another computer's.
         self.restarted = pose.number < self.number
@@ -103,3 +119,7 @@ class BodyListener:
         self.ahead = min(self.ahead, travelled)
         self.behind = travelled - self.ahead
         return pose
+
+    def close(self) -> None:
+        """Close the socket, unless it was given. Twice is once."""
+        self.listener.close()

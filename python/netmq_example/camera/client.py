@@ -1,20 +1,20 @@
 """Sends a driver one picture at a time and gets an action for it, without waiting longer than it may.
 
-    with contextlib.closing(DriverClient(context, "tcp://127.0.0.1:5558")) as client:
+    with DriverClient("tcp://127.0.0.1:5558") as client:
         client.send(frame)                    a message of kind `frame`, whose id is the picture's number
         action = client.receive(until)        None: not yet, as long as `client.asked` is there; else there is none
 
 A picture without an action is not sent again: by then there is a newer one. Each failure costs the socket, because REQ
 can only receive after it has sent, and a new one finds a server that is back again. After `tries` pictures in a row
-without an action it raises GaveUp.
+without an action it raises what the last one met.
 
 Bytes: messages of messages.py. pictures.py says what a `frame` has; the reply is of kind `action`, with the values
 `frame`, `throttle`, `brake`, `steer` and those of your own. The C# side is DriverClient.cs.
 """
 
+import logging
 import math
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -22,10 +22,13 @@ import zmq
 
 from netmq_example import check
 from netmq_example.beacon import BeaconSearch
-from netmq_example.errors import GaveUp, longer
-from netmq_example.messages import EXACT, LIMIT, Message, MessageError
+from netmq_example.errors import MessageError, Refused, Timeout, longer
+from netmq_example.former import positional
+from netmq_example.messages import EXACT, LIMIT, Message
 from netmq_example.one_process import OneProcess
-from netmq_example.program import SLICE_MS, limit, printable
+from netmq_example.program import SLICE_MS, Context, Socket, limit, printable
+
+log = logging.getLogger("netmq_example.client")
 
 
 @dataclass
@@ -62,20 +65,14 @@ def read_action(reply: Message, frame: int) -> Action:
 
 
 class DriverClient(OneProcess):
-    """Waits `timeout` seconds for an action, and after each that did not come twice as long, up to 8 times.
+    """Asks about one picture at a time. Use it on one thread."""
 
-    `log` gets a line about each picture that has none.
-    """
+    @positional("context", "endpoint", "timeout", "tries", "report")
+    def __init__(self, endpoint: str, *, timeout: float = 1.0, tries: int = 5, context: Context | None = None) -> None:
+        """It waits `timeout` seconds for an action, and after each that did not come twice as long, up to 8 times.
 
-    def __init__(
-        self,
-        context: zmq.Context[zmq.Socket[bytes]],
-        endpoint: str,
-        timeout: float = 1.0,
-        tries: int = 5,
-        log: Callable[[str], object] = print,
-    ) -> None:
-        self.context = check.blocking("context", context, zmq.Context)
+        Of `tries` pictures in a row one must get its action. Each that has none is logged as a warning.
+        """
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5558", beacon=True)
         self.search = BeaconSearch(endpoint)
         # The message that waits until the server is found, and where that is.
@@ -83,9 +80,10 @@ class DriverClient(OneProcess):
         self.where = ""
         self.timeout = check.seconds("timeout", timeout)
         self.tries = check.count("tries", tries)
-        self.log = check.function("log", log)
+        self.context: Context = check.context(context)
+        self.report = log.warning
         self.asked: Message | None = None
-        self.socket: zmq.Socket[bytes] | None = None
+        self.socket: Socket | None = None
         self.began = 0.0
         self.lost = 0
 
@@ -112,7 +110,7 @@ class DriverClient(OneProcess):
         self.unsent = frames
         self.flush(self.socket, 0)
 
-    def flush(self, socket: zmq.Socket[bytes], wait: float) -> None:
+    def flush(self, socket: Socket, wait: float) -> None:
         if not self.where:
             self.where = self.search.look(wait)
             if not self.where:
@@ -128,7 +126,8 @@ class DriverClient(OneProcess):
     def receive(self, until: float = math.inf) -> Action | None:
         """The action, if it comes before that time of time.monotonic(), and within the timeout.
 
-        None while something is asked: not yet. None and nothing is asked any more: there is none.
+        None while something is asked: not yet. None and nothing is asked any more: there is none. After `tries` of
+        them it raises Timeout, Refused or MessageError, which says why.
         """
         if not (until == math.inf or check.is_number(until)):
             raise ValueError(f"until takes a time of time.monotonic(), not {until!r:.40}")
@@ -142,17 +141,17 @@ class DriverClient(OneProcess):
             if not frames:
                 within = f"within {self.wait_seconds:g} s"
                 cure = self.search.cure("is the server running?")
-                raise TimeoutError(f"no reply from {self.endpoint} {within}; {cure}")
+                raise Timeout(f"no reply from {self.endpoint} {within}; {cure}")
             action = read_action(Message.read_reply(frames), self.asked.id)
-        except (TimeoutError, MessageError) as error:
-            self.fail(printable(str(error)))
+        except (Timeout, Refused, MessageError) as error:
+            self.fail(error)
             return None
         action.milliseconds = (time.monotonic() - self.began) * 1000
         self.asked = None
         self.lost = 0
         return action
 
-    def wait(self, socket: zmq.Socket[bytes], until: float) -> list[zmq.Frame]:
+    def wait(self, socket: Socket, until: float) -> list[zmq.Frame]:
         """The frames of what came before that time, or none. In slices: on Windows Ctrl-C ends no longer wait."""
         while True:
             left = max(0.0, until - time.monotonic())
@@ -163,14 +162,15 @@ class DriverClient(OneProcess):
             if not left:
                 return []
 
-    def fail(self, why: str) -> None:
+    def fail(self, error: Exception) -> None:
         self.close()
         self.lost += 1
         if self.lost >= self.tries:
-            raise GaveUp(why)
-        self.log(f"trouble: {why}")
+            raise error
+        self.report(f"trouble: {printable(str(error))}")
 
     def close(self) -> None:
+        """Give up what is asked. It may be used again, and twice is once."""
         if self.socket:
             self.socket.close()
         self.asked = None

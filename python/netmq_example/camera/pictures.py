@@ -13,10 +13,15 @@ import re
 import warnings
 from typing import Any
 
-import numpy as np
+from netmq_example.extras import without
+
+try:
+    import numpy as np
+except ImportError as error:
+    raise without(error) from None
 
 from netmq_example import check
-from netmq_example.errors import GaveUp
+from netmq_example.errors import Error
 from netmq_example.messages import LIMIT, Array, Message, MessageError
 
 try:
@@ -90,9 +95,9 @@ def from_jpeg(array: Array) -> Any:
 
 
 def encode(picture: Any) -> bytes:
-    """A JPEG file of a picture; GaveUp where there is no Pillow."""
+    """A JPEG file of a picture; Error where there is no Pillow."""
     if Image is None:
-        raise GaveUp("JPEG needs Pillow: pip install pillow, or let kit.py run 8 do it")
+        raise Error("JPEG needs Pillow: pip install pillow, or let kit.py run 8 do it")
     pixels = np.asarray(picture)
     if pixels.dtype != np.uint8 or pixels.ndim != 3 or pixels.shape[2] != 3 or 0 in pixels.shape:
         raise ValueError(f"picture takes uint8 [height, width, 3], not {pixels.dtype} {[*pixels.shape]}")

@@ -18,19 +18,19 @@ needs numpy and Pillow.
 import contextlib
 import csv
 import errno
-import functools
 import io
+import logging
 import math
 import os
 import re
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from netmq_example import check
 from netmq_example.camera.pictures import NUMBERS, decode, encode, pictures
-from netmq_example.errors import GaveUp
+from netmq_example.errors import Error
 from netmq_example.messages import EXACT, LIMIT, Message, MessageError
 
 # The values of a frame, as they were in force when the picture was taken, and those of the action that answered it.
@@ -48,16 +48,18 @@ OVER_SECONDS = 10.0
 # Of the table of a recording.
 LARGEST_BYTES = 1024 * 1024 * 1024
 
-print_at_once = functools.partial(print, flush=True)
+log = logging.getLogger("netmq_example.server")
 
 
 class Recorder:
-    """Keeps what was asked and answered, until it cannot any more: then it says so, and the car drives on."""
+    """Keeps what was asked and answered, until it cannot any more: then it says so, and the car drives on.
 
-    def __init__(self, folder: Path | str | None, log: Callable[[str], object] = print_at_once) -> None:
-        """Without a folder it keeps nothing. `log` gets a line about each drive, each 100 pictures, and trouble."""
+    Use it on one thread.
+    """
+
+    def __init__(self, folder: Path | str | None) -> None:
+        """Without a folder it keeps nothing. It logs each drive, each 100 pictures, and trouble."""
         self.folder = None if folder is None else as_folder(folder)
-        self.log = check.function("log", log)
         self.drives: dict[Any, Recording] = {}
         self.full = False
 
@@ -72,10 +74,10 @@ class Recorder:
             if drive:
                 drive.add(frame, action, seen)
                 if drive.count % 100 == 0:
-                    self.log(f"recorded {drive.count} pictures to {drive.folder}")
-        except (OSError, ValueError, GaveUp) as error:
+                    log.info("recorded %s pictures to %s", drive.count, drive.folder)
+        except (OSError, ValueError, Error) as error:
             self.folder = None
-            self.log(f"trouble: recording has stopped, the car drives on: {error}")
+            log.warning("trouble: recording has stopped, the car drives on: %s", error)
 
     def drive(self, frame: Message, action: Message, folder: Path, height: int, width: int) -> "Recording | None":
         """The folder of a drive; when its cameras or their size change, it gets another one."""
@@ -84,9 +86,10 @@ class Recorder:
         if kind not in self.drives:
             if len(self.drives) == MOST_DRIVES and not self.make_room():
                 return None
-            self.drives[kind] = Recording(folder, frame, action, self.log)
+            self.drives[kind] = Recording(folder, frame, action)
             self.full = False
-            self.log(f"recording to {self.drives[kind].folder.resolve()}: {cameras}, {width} x {height}")
+            where = self.drives[kind].folder.resolve()
+            log.info("recording to %s: %s, %s x %s", where, cameras, width, height)
         return self.drives[kind]
 
     def make_room(self) -> bool:
@@ -96,7 +99,7 @@ class Recorder:
             del self.drives[oldest]
             return True
         if not self.full:
-            self.log(f"trouble: {MOST_DRIVES} cars are recorded already; others are not, as long as these drive")
+            log.warning("trouble: %s cars are recorded already; others are not, as long as these drive", MOST_DRIVES)
         self.full = True
         return False
 
@@ -104,9 +107,8 @@ class Recorder:
 class Recording:
     """One drive: pictures of the same cameras, in one size. `frame` and `action` are the first ones of it."""
 
-    def __init__(self, folder: Path, frame: Message, action: Message, log: Callable[[str], object]) -> None:
+    def __init__(self, folder: Path, frame: Message, action: Message) -> None:
         self.folder = new_folder(folder)
-        self.report = log
         self.count = 0
         self.left_out: list[str] = []
         self.used = time.monotonic()
@@ -150,7 +152,7 @@ class Recording:
             if name not in (*KNOWN, *BESIDE, *self.own, *self.left_out):
                 self.left_out.append(name)
                 why = f"it came after the first picture of {self.folder}, or is a column's name"
-                self.report(f"trouble: {name!a:.40} is not recorded: {why}")
+                log.warning("trouble: %.40a is not recorded: %s", name, why)
 
 
 def told(frame: Message, action: Message) -> dict[str, Any]:
@@ -208,8 +210,8 @@ class Row(NamedTuple):
     pictures: dict[str, Any]
 
 
-def recorded(folder: Path | str, log: Callable[[str], object] = print_at_once) -> Iterator[Row]:
-    """The rows of a recording; OSError if there is none. `log` gets a line about each row that cannot be read."""
+def recorded(folder: Path | str) -> Iterator[Row]:
+    """The rows of a recording; OSError if there is none. A row that cannot be read is logged as a warning."""
     folder = as_folder(folder)
     found = False
     # A byte that is no text makes one cell bad, and not the whole file.
@@ -221,7 +223,7 @@ def recorded(folder: Path | str, log: Callable[[str], object] = print_at_once) -
             try:
                 row = read_row(folder, number, dict(zip(columns, cells(line), strict=True)))
             except (OSError, ValueError, KeyError, csv.Error, MessageError) as error:
-                log(f"trouble: line {number} of metadata.csv is left out: {error!s:.100}")
+                log.warning("trouble: line %s of metadata.csv is left out: %.100s", number, error)
             else:
                 yield row
                 found = True

@@ -13,9 +13,9 @@ A class is imported when it is first used, as in `from netmq_example.envs import
 agents need pettingzoo. A type checker, which imports nothing, finds them as well.
 """
 
-import importlib
 from typing import TYPE_CHECKING, Any
 
+from netmq_example.doors import door
 from netmq_example.extras import without
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ except ImportError as error:
     raise without(error) from None
 
 # Whole names, from which `kit.py copy` reads what belongs together.
-MODULES = {
+ROOMS = {
     "UnityAECEnv": "netmq_example.envs.unity_parallel_env",
     "UnityGymEnv": "netmq_example.envs.unity_env",
     "UnityParallelEnv": "netmq_example.envs.unity_parallel_env",
@@ -74,14 +74,7 @@ def register() -> None:
 
 # Hidden from a type checker, to which any name would exist.
 if not TYPE_CHECKING:
-
-    def __getattr__(name: str) -> Any:
-        if name in MODULES:
-            try:
-                return getattr(importlib.import_module(MODULES[name]), name)
-            except ImportError as error:
-                raise without(error) from None
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    __getattr__, __dir__ = door(__name__, ROOMS)
 
 
 register()

@@ -22,6 +22,7 @@ import zmq
 
 from netmq_example import check, records
 from netmq_example.envs.launch import END_SECONDS, QUIET, end_program, program, say_waiting, start_program, why_ended
+from netmq_example.errors import ListenError, Lost, Timeout
 from netmq_example.finalizers import finalizer
 from netmq_example.messages import LIMIT, Message, MessageError
 from netmq_example.one_process import OneProcess
@@ -36,10 +37,6 @@ RESEND_SECONDS = 1.0
 ANSWERS = {"render": "picture", "info": "told", "close": "closed"}
 
 Accept = Callable[[Message], None]
-
-
-class Lost(ConnectionError):
-    """The simulator is gone, or has not answered for too long."""
 
 
 class Connection(OneProcess):
@@ -68,11 +65,11 @@ class Connection(OneProcess):
         end = time.monotonic() + limit
         while not self.is_welcomed(accept):
             if why := ended():
-                raise TimeoutError(why)
+                raise Timeout(why)
             if time.monotonic() > end:
                 # Lesson 17's socket knows more.
                 told = getattr(self.socket, "told", "is it running?")
-                raise TimeoutError(f"no simulator came to {self.endpoint} within {limit:g} s; {told}")
+                raise Timeout(f"no simulator came to {self.endpoint} within {limit:g} s; {told}")
 
     def is_welcomed(self, accept: Accept) -> bool:
         """Whether the next message was the hello of a simulator, which then is the peer."""
@@ -285,5 +282,6 @@ def bound(endpoint: str, example: str = ENDPOINT) -> zmq.Socket[bytes]:
     except zmq.ZMQError as error:
         context.destroy()
         cure = f"close() the environment that has it, or give this one its own endpoint, such as {FREE_PORT}"
-        raise OSError(f"cannot listen on {endpoint}: {zmq.strerror(error.errno or 0)}; {cure}") from None
+        why = f"cannot listen on {endpoint}: {zmq.strerror(error.errno or 0)}; {cure}"
+        raise ListenError(error.errno, why) from None
     return socket

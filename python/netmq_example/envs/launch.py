@@ -10,6 +10,7 @@ It needs pyzmq.
 import contextlib
 import gc
 import glob
+import logging
 import os
 import shutil
 import signal
@@ -26,11 +27,14 @@ END_SECONDS = 2
 # Until when nobody is told again that an endpoint waits: each wrong hello ends an environment, and begins the next one.
 QUIET: dict[str, float] = {}
 
+log = logging.getLogger("netmq_example.envs")
+
 
 def say_waiting(endpoint: str, cure: str) -> None:
     """For environments that launch nothing."""
     if time.monotonic() > QUIET.get(endpoint, 0.0):
-        print(f"waiting for a simulator on {endpoint}{cure}", flush=True)
+        # A warning, which Python shows also where nobody has set up logging: the program would look stuck.
+        log.warning("waiting for a simulator on %s%s", endpoint, cure)
         QUIET[endpoint] = time.monotonic() + 1
 
 

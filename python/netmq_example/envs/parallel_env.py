@@ -35,7 +35,8 @@ from netmq_example.envs.common import (
     picture,
     same,
 )
-from netmq_example.envs.connection import Lost, Simulators
+from netmq_example.envs.connection import Simulators
+from netmq_example.errors import Lost
 from netmq_example.messages import Message, MessageError, take
 from netmq_example.records import ASKS, NOTHING, RESET, STEP, TERMINATED, TRUNCATED, Record, rewards_in, seeds
 from netmq_example.space_bytes import Bytes

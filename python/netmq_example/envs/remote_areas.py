@@ -21,7 +21,8 @@ from netmq_example.envs.common import (
     picture,
     same,
 )
-from netmq_example.envs.connection import Lost, Simulators
+from netmq_example.envs.connection import Simulators
+from netmq_example.errors import Lost
 from netmq_example.messages import EXACT, LIMIT, Message, MessageError
 from netmq_example.records import ABSENT, ASKS, NOTHING, RESET, STEP, TERMINATED, TRUNCATED, Record, seeds
 from netmq_example.space_bytes import Bytes

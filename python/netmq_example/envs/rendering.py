@@ -29,8 +29,9 @@ from netmq_example import check
 from netmq_example.envs.common import gives_pictures
 from netmq_example.envs.connection import FREE_PORT, Accept, Simulators
 from netmq_example.envs.take import Take
+from netmq_example.errors import Lost, Timeout
 from netmq_example.finalizers import finalizer
-from netmq_example.video.game import ENDPOINT, Lost, side
+from netmq_example.video.game import ENDPOINT, side
 
 MODES = ["rgb_array", "rgb_array_list", "video"]
 # For a ViewRecorder, whose game is there already.
@@ -182,7 +183,7 @@ class Renderer:
             self.newest.update(self.see(names))
         except OSError as error:
             if self.newest.keys() >= set(names):
-                self.films.report(f"trouble: {error}; the picture before is shown once more")
+                self.films.trouble(f"trouble: {error}; the picture before is shown once more")
             elif isinstance(error, Lost):
                 # It was that of the simulator before. The one that came in its place is waited for.
                 self.newest.update(self.see(names))
@@ -210,7 +211,7 @@ class Renderer:
         except TimeoutError:
             at = self.films.game.endpoint
             cure = "add a ViewRecorder with this Endpoint, and a camera, to the scene"
-            raise TimeoutError(f"no view came to {at}: {cure}") from None
+            raise Timeout(f"no view came to {at}: {cure}") from None
 
     def names(self, there: Mapping[str, Any]) -> dict[str, str]:
         """What the game calls the views."""

@@ -15,7 +15,7 @@ from collections.abc import Callable
 from typing import Any
 
 from netmq_example import check
-from netmq_example.envs.connection import Lost
+from netmq_example.errors import Lost
 from netmq_example.messages import MessageError
 from netmq_example.records import Record
 from netmq_example.side_channel.side_channel_manager import SideChannelManager

@@ -24,10 +24,11 @@ from gymnasium.spaces import Space
 
 from netmq_example import check, trees
 from netmq_example.envs.common import MadeAnew, frames_per_second, hello_from, info_in, options_as_bytes
-from netmq_example.envs.connection import Lost, Simulators
+from netmq_example.envs.connection import Simulators
 from netmq_example.envs.merge import empty, fitted
 from netmq_example.envs.plan import Sight, form_in
 from netmq_example.envs.rendering import MODES, Rendered, check_words
+from netmq_example.errors import Lost
 from netmq_example.locator import quoted
 from netmq_example.messages import ENCODER, Message, MessageError
 from netmq_example.records import ABSENT, ASKS, NOTHING, RESET, STEP, TERMINATED, TRUNCATED, Record, rewards_in, seeds

@@ -1,16 +1,19 @@
-"""The board: the hub's state in lines.
+"""The board: the hub's state in lines, which it logs.
 
 board = Board()
-hub = Hub(socket, board.report)
-board.show(hub)                    often: it shows something once a second
+hub = Hub(socket, report=board.report)
+board.show(hub)                    often: it says something once a second
 """
 
+import logging
 import time
 
 from netmq_example.fleet.hub import Hub
 
-# So many lines a second are printed.
+# So many lines a second are logged.
 MOST_LINES = 200
+
+log = logging.getLogger("netmq_example.server")
 
 
 class Board:
@@ -24,14 +27,14 @@ class Board:
         self.printed = "0 0 0 0 begun anew, 0 asked elsewhere"
 
     def report(self, line: str) -> None:
-        """Print a line. Strangers who come by the thousand make no flood of lines."""
+        """Log a line. Strangers who come by the thousand make no flood of lines."""
         if line == self.last_line:
             # A peer that is refused tries again some times a second.
             return
         self.last_line = line
         self.lines += 1
         if self.lines <= MOST_LINES:
-            print(line, flush=True)
+            log.info(line)
 
     def show(self, hub: Hub) -> None:
         """Once a second what has changed, but for the numbers that always grow."""
@@ -41,7 +44,7 @@ class Board:
         self.shown = now
         count = hub.count
         if self.lines > MOST_LINES:
-            print(f"{self.lines - MOST_LINES} lines more", flush=True)
+            log.info("%s lines more", self.lines - MOST_LINES)
         self.lines = 0
         free = sum(member.free() for member in hub.members.values())
         at_work = sum(any(trainer.episodes) for trainer in hub.trainers.values())
@@ -50,4 +53,4 @@ class Board:
         state = f"{len(hub.members)} {len(hub.trainers)} {at_work} {trouble}"
         if state != self.printed:
             self.printed = state
-            print(f"{people}, {count['episodes']} episodes, {trouble}", flush=True)
+            log.info("%s, %s episodes, %s", people, count["episodes"], trouble)

@@ -1,6 +1,6 @@
 """The hub: a simulator or a trainer comes to it, and it brings their episodes together.
 
-    hub = Hub(socket, print, build="1", late=5, timeout=30, idle=15)        a bound ROUTER socket
+    hub = Hub(socket, build="1", late=5, timeout=30, idle=15)               a bound ROUTER socket
     hub.take(peer, frames)                                                  what the socket received
     hub.tick()                                                              often: it does its work some times a second
 
@@ -12,6 +12,7 @@ A peer that is silent gets its last message once more: a simulator does nothing 
 (lesson 09). So one rule is retry, heartbeat and the way to learn of a death, because ROUTER says when a peer is gone.
 """
 
+import logging
 import time
 from collections import Counter
 from collections.abc import Callable
@@ -40,20 +41,23 @@ MOST_HELLO_BYTES = 256 * 1024 * 1024
 MOST_EPISODE_BYTES = 256 * 1024 * 1024
 MOST_BYTES = 4 * MOST_EPISODE_BYTES
 
+log = logging.getLogger("netmq_example.server")
+
 
 class Hub:
-    """All that have come, by their addresses: `members` are simulators, and `trainers`."""
+    """All that have come, by their addresses: `members` are simulators, and `trainers`. Use it on one thread."""
 
     def __init__(
         self,
         socket: Socket,
-        report: Callable[[str], object] = print,
+        *,
         build: str = "1",
         late: float = 5.0,
         timeout: float = 30.0,
         idle: float = 15.0,
+        report: Callable[[str], object] = log.info,
     ) -> None:
-        """`report` takes a line about what happens. Of the seconds
+        """A line about what happens is logged, unless `report` takes it. Of the seconds
 
         late       is when an answer is asked for elsewhere, too,
         timeout    how long an episode waits for a simulator,

@@ -9,6 +9,7 @@ That environment expects a bound ROUTER socket, to which a simulator comes. Here
 With keys `prepare` is lesson 15's ClientKeys(folder).apply.
 """
 
+import logging
 import time
 from collections.abc import Callable
 from typing import Any
@@ -28,14 +29,16 @@ PEER = b"hub"
 # long waits the first of several tries, too.
 SILENCE_SECONDS = 2.0
 
+log = logging.getLogger("netmq_example.envs")
+
 
 class FleetSocket(OneProcess):
-    """`prepare` gets each new socket before it connects."""
+    """`prepare` gets each new socket before it connects. Use it on one thread, that of its environment."""
 
     # The environment's words for a peer that it cannot reach.
     gone = "the hub is gone"
 
-    def __init__(self, endpoint: str, name: str, areas: int, prepare: Callable[[Any], object] | None = None) -> None:
+    def __init__(self, endpoint: str, name: str, areas: int, *, prepare: Callable[[Any], object] | None = None) -> None:
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5567")
         self.name = check.text("name", name)
         self.areas = check.count("areas", areas, most=1024)
@@ -73,7 +76,7 @@ class FleetSocket(OneProcess):
                 self.report_missing(message)
                 raise zmq.Again
             if message.kind == "hello":
-                self.report(f"the hub has given this trainer {self.areas} simulators")
+                self.report(f"the hub has given this trainer {self.areas} simulators", logging.INFO)
         return [PEER, *frames]
 
     def send_multipart(self, frames: list[Any], flags: int = 0) -> None:
@@ -96,15 +99,15 @@ class FleetSocket(OneProcess):
     def report_lost(self, missing: int) -> None:
         """Which episodes wait for a simulator, in place of one that was lost: whenever there are more or fewer."""
         if missing > self.missing:
-            print(f"{missing} of {self.areas} episodes wait for a simulator: start one, if none comes", flush=True)
+            log.warning("%s of %s episodes wait for a simulator: start one, if none comes", missing, self.areas)
         elif self.missing and not missing:
-            print("each episode has a simulator again", flush=True)
+            log.info("each episode has a simulator again")
         self.missing = missing
 
-    def report(self, text: str) -> None:
+    def report(self, text: str, level: int = logging.WARNING) -> None:
         if text != self.told:
             self.told = text
-            print(text, flush=True)
+            log.log(level, text)
 
     def open(self) -> None:
         """A new socket each time: one that was refused once never tries again."""
@@ -140,10 +143,5 @@ class FleetSocket(OneProcess):
         return self.endpoint
 
     def close(self) -> None:
+        """Leave the hub. Twice is once."""
         self.context.destroy()
-
-    def __enter__(self) -> "FleetSocket":
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self.close()

@@ -1,10 +1,10 @@
 """The job's client: starts a job or comes back to it, watches it and cancels it.
 
-    with JobClient(context, "tcp://127.0.0.1:5564") as client:
+    with JobClient("tcp://127.0.0.1:5564") as client:
         for news in client.watch(client.goal("picture", 100)):                    client.cancel() in between
             print(news.kind, news.values)
 
-    with JobClient(context, "tcp://127.0.0.1:5564", job) as client:               comes back to the job with this id
+    with JobClient("tcp://127.0.0.1:5564", job=job) as client:                   comes back to the job with this id
         for news in client.watch(client.ask("status")): ...
 
 The client repeats its request, and the server begins no job twice. So lost messages and restarts of either side do no
@@ -12,20 +12,22 @@ harm. The news is the newest state, as a message of `accepted`, `feedback` or `c
 In C# it is JobClient.cs, and JobNews.cs.
 """
 
+import logging
 import re
 import time
 import uuid
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import zmq
 
 from netmq_example import check
 from netmq_example.beacon import BeaconSearch
-from netmq_example.errors import GaveUp, longer, tried
+from netmq_example.errors import Refused, Timeout, longer, tried
+from netmq_example.former import positional
 from netmq_example.messages import LIMIT, Message, MessageError, take
 from netmq_example.one_process import OneProcess, one_at_a_time
-from netmq_example.program import limit
+from netmq_example.program import Context, Socket, limit
 
 STATUSES = ("succeeded", "canceled", "aborted")
 # The values of a message about a job, besides the job.
@@ -42,6 +44,8 @@ ENDS = ("result", "forgotten")
 ASK_AGAIN_SECONDS = 1.0
 # On Windows Ctrl-C is heard only between two waits.
 SLICE_MS = 20
+
+log = logging.getLogger("netmq_example.client")
 
 
 def job_id(name: str, value: Any) -> str:
@@ -64,41 +68,37 @@ def check_news(news: Message) -> None:
 
 
 class JobClient(OneProcess):
-    """One job, over one DEALER socket at a time. Use it on one thread.
+    """One job, over one DEALER socket at a time. Use it on one thread."""
 
-    Without the id of a job it makes a new one. The first try waits `timeout` seconds for news, and each one after it
-    twice as long, up to 8 times. It gives up after so many `tries`; `report` gets a line for each new one.
-    """
-
+    @positional("context", "endpoint", "job", "timeout", "tries", "report")
     def __init__(
         self,
-        context: zmq.Context[zmq.Socket[bytes]],
         endpoint: str,
+        *,
         job: str | None = None,
-        timeout: float = 1,
+        timeout: float = 1.0,
         tries: int = 5,
-        report: Callable[[str], object] = print,
+        context: Context | None = None,
     ) -> None:
-        self.context = check.blocking("context", context, zmq.Context)
+        """Without the id of a job it makes a new one.
+
+        The first of at most `tries` tries waits `timeout` seconds for news, and each one after it twice as long, up to
+        8 times. Each retry is logged as a warning.
+        """
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5564", beacon=True)
         self.search = BeaconSearch(endpoint)
         # An id must never come twice, whichever program makes one: hence the uuid.
         self.job = uuid.uuid4().hex if job is None else job_id("job", job)
         self.timeout = check.seconds("timeout", timeout)
         self.tries = check.count("tries", tries)
-        self.report = check.function("report", report)
+        self.context: Context = check.context(context)
+        self.report = log.warning
         self.request = self.ask("status")
         # What was wrong with a message of this try.
         self.dropped = ""
         # What the socket is connected to, as soon as it is known where the server is.
         self.where = ""
         self.socket = self.open()
-
-    def __enter__(self) -> "JobClient":
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self.close()
 
     def goal(self, kind: str, count: int, text: str = "") -> Message:
         """The request that begins the job, for `watch`."""
@@ -114,8 +114,8 @@ class JobClient(OneProcess):
     def watch(self, request: Message) -> Iterator[Message]:
         """The news of the job, up to its result.
 
-        TimeoutError if nothing comes in all tries; GaveUp if the server rejects the job or has forgotten it, or sends
-        something else than news.
+        Timeout if nothing comes in all tries; Refused if the server rejects the job or has forgotten it; MessageError
+        if it sends something else than news.
         """
         self.request = check.instance("request", request, Message)
         seq = -1
@@ -152,7 +152,7 @@ class JobClient(OneProcess):
             silent_tries += 1
             if silent_tries == self.tries:
                 why = f"no word of it from {self.endpoint} in {tried(self.tries)} of up to {timeout:g} s"
-                raise TimeoutError(
+                raise Timeout(
                     f"{why}; {self.dropped or self.search.cure('is the server running?')} Its id is {self.job}"
                 )
             self.report(f"no word within {timeout:g} s; try {silent_tries + 1} of {self.tries}")
@@ -179,20 +179,17 @@ class JobClient(OneProcess):
                 self.report(f"dropped: {error}")
             self.dropped = f"{error}: are both sides of one release?"
             return None
-        try:
-            return self.checked(news)
-        except MessageError as error:
-            raise GaveUp(str(error)) from None
+        return self.checked(news)
 
     def checked(self, news: Message) -> Message | None:
-        """The message, if it is about this job and is whole."""
+        """The message, if it is about this job and is whole. Refused or MessageError: there is no job to be watched."""
         if news.kind == "rejected":
-            raise MessageError(take(news.values, "code", str), take(news.values, "text", str))
+            raise Refused(take(news.values, "code", str), take(news.values, "text", str))
         if news.values.get("job") != self.job:
             return None
         check_news(news)
         if news.kind == "forgotten" and self.request.kind != "forget":
-            raise MessageError("forgotten", "its result was deleted; begin a job with a new id")
+            raise Refused("forgotten", "its result was deleted; begin a job with a new id")
         return news
 
     def send(self, request: Message) -> None:
@@ -208,7 +205,7 @@ class JobClient(OneProcess):
             # asked again anyway.
             pass
 
-    def open(self) -> zmq.Socket[bytes]:
+    def open(self) -> Socket:
         socket = self.context.socket(zmq.DEALER)
         limit(socket, LIMIT)
         socket.rcvtimeo = SLICE_MS
@@ -216,5 +213,6 @@ class JobClient(OneProcess):
         return socket
 
     def close(self) -> None:
+        """The job goes on without this client. Twice is once."""
         self.socket.close()
         self.search.close()

@@ -23,6 +23,7 @@ The same goal again is the same job. So a lost answer, a new connection, a secon
 either side are all one case. The journal knows of every message before a client does.
 """
 
+import logging
 import sqlite3
 import time
 from collections import deque
@@ -41,6 +42,7 @@ WATCH_SECONDS = 5.0
 MOST_DEATHS = 3
 # Of a goal's text.
 MOST_CHARACTERS = 1000
+log = logging.getLogger("netmq_example.jobs")
 NOT_WRITTEN = MessageError("journal", "the server cannot write its journal now; try again later")
 
 
@@ -78,7 +80,8 @@ class Job:
 class Jobs:
     """`answer` what clients send, then take a `turn`, which returns what is to be sent. `live` has what has not ended.
 
-    At most `queue` jobs wait for a worker. One that ignores a cancel is killed after `grace` seconds.
+    At most `queue` jobs wait for a worker. One that ignores a cancel is killed after `grace` seconds. Use it on one
+    thread.
     """
 
     def __init__(
@@ -229,7 +232,7 @@ class Jobs:
             self.waiting.popleft()
             goal = Message("goal", values=job.goal.values | {"done": job.done}, arrays=job.news.arrays)
             process = self.workers.start(goal)
-            print(f"job {id:.8}: {goal.values['kind']} from {job.done}, in process {process}", flush=True)
+            log.info("job %.8s: %s from %s, in process %s", id, goal.values["kind"], job.done, process)
 
     def interrupted(self, id: str, why: str) -> None:
         """Neither a result nor more feedback will come. With a checkpoint it goes on from there."""
@@ -258,7 +261,7 @@ class Jobs:
             self.outbox += [(client, message) for client in job.watchers]
             if message.kind == "result":
                 facts = message.values
-                print(f"job {id:.8}: {facts['status']} at {facts['done']} of {facts['total']}", flush=True)
+                log.info("job %.8s: %s at %s of %s", id, facts["status"], facts["done"], facts["total"])
                 del self.live[id]
                 if id in self.waiting:
                     self.waiting.remove(id)

@@ -1,15 +1,16 @@
 """The state of each job, which survives the end of the server: a SQLite file.
 
-    journal = Journal("long_jobs.sqlite3")                                prints: journal long_jobs.sqlite3, 0 jobs
+    journal = Journal("long_jobs.sqlite3")                                logs: journal long_jobs.sqlite3, 0 jobs
     journal.save([news])                                                  False while it cannot be used
     goal, news = journal.find(job)                                        or None
 
 An entry is the goal and the newest message about the job, as it is sent: with what is finished, if there is a
 checkpoint. It is kept for 24 hours after the end. Delete the file to forget all jobs, while no server runs. Of several
-servers that begin together with one journal one gets it. ValueError says that it cannot be used; when that comes later,
-as on a full disk, it is printed once.
+servers that begin together with one journal one gets it. Error says that it cannot be used; when that comes later,
+as on a full disk, it is logged once.
 """
 
+import logging
 import os
 import random
 import sqlite3
@@ -18,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from netmq_example import check
+from netmq_example.errors import Error
 from netmq_example.jobs.client import ENDS, check_news, job_id
 from netmq_example.messages import EXACT, LIMIT, Message, MessageError, take
 
@@ -40,6 +42,8 @@ MOST_SEQ = EXACT // 2
 # How long to wait for another server that has the file.
 LOCK_SECONDS = 1.0
 CURE = "try --journal another.sqlite3"
+
+log = logging.getLogger("netmq_example.jobs")
 
 
 def open_exclusively(path: str) -> sqlite3.Connection:
@@ -82,7 +86,7 @@ def entry(job: Any, goal: Any, news: Any, data: Any) -> tuple[Message, Message]:
 
 
 class Journal:
-    """The jobs by their ids."""
+    """The jobs by their ids. Use it on one thread."""
 
     def __init__(self, path: str | Path) -> None:
         self.path = str(check.instance("path", path, str, Path))
@@ -102,10 +106,10 @@ class Journal:
             self.db.text_factory = lambda text: text.decode(errors="replace")
             jobs = self.db.execute("SELECT count(id), count(goal), count(news), count(data) FROM jobs").fetchone()[0]
         except (sqlite3.Error, ValueError) as error:
-            raise ValueError(f"cannot use the journal {self.path}: {error}; {CURE}") from None
+            raise Error(f"cannot use the journal {self.path}: {error}; {CURE}") from None
         self.opened = self.files()
         self.clock = clock()
-        print(f"journal {self.path}, {jobs} jobs", flush=True)
+        log.info("journal %s, %s jobs", self.path, jobs)
 
     def add(self, goal: Message, news: Message) -> bool:
         row = goal.values["job"], goal.frames()[0], news.frames()[0]
@@ -138,9 +142,9 @@ class Journal:
                         raise MessageError("ended", "it has ended, and the row does not say when")
                     found.append((goal, news))
                 except (MessageError, sqlite3.DataError) as error:
-                    print(f"cannot read row {number} of the journal, and leave it alone: {error}", flush=True)
+                    log.warning("cannot read row %s of the journal, and leave it alone: %s", number, error)
         except sqlite3.Error as error:
-            raise ValueError(f"cannot use the journal {self.path}: {error}; {CURE}") from None
+            raise Error(f"cannot use the journal {self.path}: {error}; {CURE}") from None
         return found
 
     def close(self) -> None:
@@ -162,11 +166,11 @@ class Journal:
             self.clock = clock()
         except sqlite3.Error as error:
             if self.usable:
-                print(f"cannot use the journal {self.path}: {error}; nothing new until this is fixed", flush=True)
+                log.error("cannot use the journal %s: %s; nothing new until this is fixed", self.path, error)
             self.usable = False
             return False
         if not self.usable:
-            print(f"the journal {self.path} can be used again", flush=True)
+            log.info("the journal %s can be used again", self.path)
         self.usable = True
         return True
 

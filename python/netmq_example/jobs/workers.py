@@ -14,13 +14,13 @@ then writes to a socket.
 """
 
 import contextlib
+import logging
 import multiprocessing
 import os
 import signal
 import sys
 import threading
 import time
-import traceback
 from collections.abc import Iterator
 from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection
@@ -29,6 +29,7 @@ from queue import SimpleQueue
 from socket import socketpair
 
 from netmq_example import check
+from netmq_example.console import log_lines
 from netmq_example.jobs.work import Kind, Step, WorkError
 from netmq_example.messages import EXACT, Message, MessageError, take
 
@@ -37,6 +38,8 @@ MOST_WORKERS = 100
 FEEDBACK_SECONDS = 0.1
 # A new process, not a copy of this one: a copy made while a thread holds a lock would wait for that lock for ever.
 SPAWN = multiprocessing.get_context("spawn")
+
+log = logging.getLogger("netmq_example.jobs")
 
 
 def send(pipe: Connection, message: Message) -> None:
@@ -77,7 +80,10 @@ def run_worker(pipe: Connection, kinds: dict[str, Kind]) -> None:
             # The server ended or was killed. Nobody waits for the work any more, and it may ignore a cancel.
             os._exit(1)
 
-    threading.Thread(target=listen, daemon=True).start()
+    threading.Thread(target=listen, daemon=True, name="netmq_example worker").start()
+    # This process is a program of its own, unless a kind of work has set up its logs.
+    if not log.hasHandlers():
+        log_lines()
     while True:
         goal = goals.get()
         tell(pipe, perform(pipe, goal, kinds[goal.values["kind"]], cancel))
@@ -115,7 +121,7 @@ def perform(pipe: Connection, goal: Message, kind: Kind, cancel: threading.Event
         return about(goal, step, "result", status="aborted", text=f"{error!s:.200}")
     except Exception as error:
         # A mistake in the work is shown where it is written.
-        traceback.print_exc()
+        log.error("a mistake in the work", exc_info=error)
         return about(goal, step, "result", status="aborted", text=f"{error!r:.200}")
 
 
@@ -201,11 +207,12 @@ class Workers:
         try:
             if not self.idle[-1]:
                 worker = Worker(self.kinds)
-                threading.Thread(target=self.listen, args=(worker,), daemon=True).start()
+                name = f"netmq_example worker {worker.process.pid}"
+                threading.Thread(target=self.listen, args=(worker,), daemon=True, name=name).start()
                 self.idle[-1] = worker
         except (OSError, RuntimeError) as error:
             if not self.refused:
-                print(f"cannot start a worker: {error}; jobs wait until that is over", flush=True)
+                log.warning("cannot start a worker: %s; jobs wait until that is over", error)
             self.refused = True
             return False
         self.refused = False

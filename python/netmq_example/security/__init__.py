@@ -1,0 +1,26 @@
+"""Keys for both sides, by CURVE: who comes in is on a list, and everything is encrypted."""
+
+from typing import TYPE_CHECKING
+
+from netmq_example.doors import door
+
+if TYPE_CHECKING:
+    from netmq_example.security.allow_list import AllowList
+    from netmq_example.security.keys import enrol, load, make, revoke, rotate
+    from netmq_example.security.requester import ClientKeys, SecureRequester
+
+__all__ = ["AllowList", "ClientKeys", "SecureRequester", "enrol", "load", "make", "revoke", "rotate"]
+
+# Hidden from a type checker, to which any name would exist.
+if not TYPE_CHECKING:
+    ROOMS = {
+        "AllowList": "netmq_example.security.allow_list",
+        "ClientKeys": "netmq_example.security.requester",
+        "SecureRequester": "netmq_example.security.requester",
+        "enrol": "netmq_example.security.keys",
+        "load": "netmq_example.security.keys",
+        "make": "netmq_example.security.keys",
+        "revoke": "netmq_example.security.keys",
+        "rotate": "netmq_example.security.keys",
+    }
+    __getattr__, __dir__ = door(__name__, ROOMS)

@@ -11,17 +11,17 @@ libzmq asks by ZAP (RFC 27): a request to the address inproc://zeromq.zap.01. py
 zmq.auth.thread; on Windows it needs tornado, and it does not say which key was refused. So here is one of twenty lines.
 """
 
+import logging
 import sys
 import threading
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import zmq
 from zmq.utils import z85
 
 from netmq_example import check
-from netmq_example.program import Context, Socket, show
+from netmq_example.program import Context, Socket
 from netmq_example.security.keys import checked_path, example, key_in, listed, load
 from netmq_example.trouble import Trouble
 
@@ -33,17 +33,18 @@ MOST_NAMED = 10
 # Of so many refused keys it is kept how often they came again.
 MOST_COUNTED = 1000
 
+log = logging.getLogger("netmq_example.security")
+
 
 class AllowList:
-    """The clients that may come in: the files in allowed/, as they are at this moment."""
+    """The clients that may come in: the files in allowed/, as they are at this moment. For any thread."""
 
-    def __init__(self, folder: Path | str, report: Callable[[str], object] = show) -> None:
-        """ValueError if there is no server.key_secret in this folder. `report` gets a line for each refused key."""
+    def __init__(self, folder: Path | str) -> None:
+        """ValueError if there is no server.key_secret in this folder. Each refused key is logged as a warning."""
         # In full: there may be more than one folder `keys`, and a key enrolled in the wrong one is noticed so.
         self.folder = checked_path(folder).absolute()
         self.public, self.secret = load(self.folder / "server.key_secret")
-        self.report = check.function("report", report)
-        self.trouble = Trouble(report)
+        self.trouble = Trouble(log.warning)
         self.listed: dict[str, Path] = {}
         self.look_again = 0.0
         # Each key that was let in, with its file and the stamp that the file had then.
@@ -70,7 +71,7 @@ class AllowList:
         zap: Socket = zmq.Context.shadow(context.underlying).socket(zmq.REP)
         zap.linger = 0
         zap.bind("inproc://zeromq.zap.01")
-        threading.Thread(target=self._answer, args=(zap,), daemon=True).start()
+        threading.Thread(target=self._answer, args=(zap,), daemon=True, name="netmq_example keys").start()
 
     def name_of(self, frame: zmq.Frame) -> str:
         """Asked with each message: the handshake of a revoked key may have been long ago."""
@@ -150,7 +151,7 @@ class AllowList:
         elif self.named < MOST_NAMED:
             self.refused[key] = 0
             self.named += 1
-            self.report(f"refused: key {key} from {address} is not in {self.folder / 'allowed'}")
+            log.warning("refused: key %s from %s is not in %s", key, address, self.folder / "allowed")
         else:
             self.others += 1
 
@@ -159,10 +160,10 @@ class AllowList:
         # A copy: a gate refuses on a thread of its own.
         for key, times in list(self.refused.items()):
             if times:
-                self.report(f"refused: key {key} {times} times more")
+                log.warning("refused: key %s %s times more", key, times)
                 self.refused[key] = 0
         if self.others:
-            self.report(f"refused: other keys, {self.others} times")
+            log.warning("refused: other keys, %s times", self.others)
         if len(self.refused) > MOST_COUNTED:
             self.refused.clear()
         self.others = 0
@@ -180,11 +181,11 @@ def stamp_of(path: Path) -> Stamp | None:
 
 
 def keys_for(folder: Path | str, make: bool = False) -> AllowList:
-    """A program's allow-list. It ends where it can have none; with `make` it makes its first keys itself."""
+    """For a program: its allow-list. The program ends where it can have none; with `make` it makes its first keys."""
     try:
         if make and not Path(folder).exists():
             example(Path(folder))
-            print(f"keys: made {Path(folder).absolute()}, with this server's and one client's, alice", flush=True)
+            log.info("keys: made %s, with this server's and one client's, alice", Path(folder).absolute())
         return AllowList(folder)
     except (ValueError, OSError) as error:
         sys.exit(str(error))

@@ -1,17 +1,17 @@
 """A requester with keys, which reports that it is refused. In C# it is SecureRequester.cs.
 
     keys = ClientKeys(Path("keys"))                                     server.key, and this client's own pair
-    with zmq.Context() as context, contextlib.closing(SecureRequester(context, endpoint, keys)) as requester:
-        print(requester.request("Hello"))                               the reply, or TimeoutError
+    with SecureRequester("tcp://127.0.0.1:5565", keys=keys) as requester:
+        print(requester.request("Hello"))                               the reply, or Timeout
 
 A refused client is told nothing: it is connected, and cut off in the handshake. So that is what is reported. libzmq
 never tries again on a socket that was refused, so each try has a new one: a client that is enrolled meanwhile comes in.
 Bytes: UTF-8 text, one frame each way.
 """
 
+import logging
 import os
 import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,8 @@ import zmq
 
 from netmq_example import check
 from netmq_example.beacon import BeaconSearch
-from netmq_example.errors import longer, tried
+from netmq_example.errors import Timeout, longer, tried
+from netmq_example.former import positional
 from netmq_example.one_process import OneProcess, one_at_a_time
 from netmq_example.program import Context, Socket, encoded, limit, option, text_of
 from netmq_example.security.keys import checked, checked_path, load, make
@@ -27,6 +28,8 @@ from netmq_example.security.keys import checked, checked_path, load, make
 # Seconds between two tries, where the first was over at once.
 PAUSE_SECONDS = 0.25
 THROWN_OUT = "connected and thrown out"
+
+log = logging.getLogger("netmq_example.client")
 
 
 class ClientKeys:
@@ -54,31 +57,35 @@ def client_keys(text: str) -> ClientKeys:
 
 
 class SecureRequester(OneProcess):
-    """Asks a server that knows its clients, at most `tries` times: first for `timeout` seconds, then for longer."""
+    """Asks a server that knows its clients: on any thread, but on one at a time."""
 
+    @positional("context", "endpoint", "keys", "timeout", "tries", "report")
     def __init__(
         self,
-        context: Context,
         endpoint: str,
+        *,
         keys: ClientKeys | None = None,
         timeout: float = 1.0,
         tries: int = 3,
-        report: Callable[[str], object] = print,
+        context: Context | None = None,
     ) -> None:
-        """Without keys it speaks plain, which such a server refuses too."""
-        self.context: Context = check.blocking("context", context, zmq.Context)
+        """The first of at most `tries` tries has `timeout` seconds, and each one after it twice as long, up to 8 times.
+
+        Each retry is logged as a warning. Without keys it speaks plain, which such a server refuses too.
+        """
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5565", beacon=True)
         self.search = BeaconSearch(endpoint)
         self.keys: ClientKeys | None = check.instance("keys", keys, ClientKeys, type(None))
         self.timeout = check.seconds("timeout", timeout)
         self.tries = check.count("tries", tries)
-        self.report = check.function("report", report)
+        self.context: Context = check.context(context)
+        self.report = log.warning
         self.socket: Socket | None = None
         self.number = 0
 
     @one_at_a_time
     def request(self, text: str) -> str:
-        """The reply; TimeoutError, which says why, when no try was answered. ValueError: it is too long."""
+        """The reply; Timeout, which says why, when no try was answered. ValueError: it is too long."""
         check.instance("text", text, str)
         self.number += 1
         request = encoded(text)
@@ -94,9 +101,10 @@ class SecureRequester(OneProcess):
             cure = self._advice()
         else:
             cure = self.search.cure("is the server running, or its reply over 64 KB?")
-        raise TimeoutError(f"{tried(self.tries)} to ask {self.endpoint}, the last: {trouble}; {cure}")
+        raise Timeout(f"{tried(self.tries)} to ask {self.endpoint}, the last: {trouble}; {cure}")
 
     def close(self) -> None:
+        """Close the socket, on the thread that asks. Twice is once."""
         self.close_socket()
         self.search.close()
 

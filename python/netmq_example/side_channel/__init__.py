@@ -8,8 +8,60 @@ A channel that was written for ML-Agents works here after one word of its import
 ML-Agents has one more name, DefaultTrainingAnalyticsSideChannel: its trainers report to Unity's analytics with it.
 """
 
-from netmq_example.side_channel.incoming_message import IncomingMessage
-from netmq_example.side_channel.outgoing_message import OutgoingMessage
-from netmq_example.side_channel.side_channel import SideChannel
+from typing import TYPE_CHECKING
 
-__all__ = ["IncomingMessage", "OutgoingMessage", "SideChannel"]
+from netmq_example.doors import door
+
+if TYPE_CHECKING:
+    from netmq_example.side_channel.carrier import Carrier, ClientCarrier
+    from netmq_example.side_channel.engine_configuration_channel import EngineConfig, EngineConfigurationChannel
+    from netmq_example.side_channel.environment_parameters_channel import EnvironmentParametersChannel
+    from netmq_example.side_channel.float_properties_channel import FloatPropertiesChannel
+    from netmq_example.side_channel.incoming_message import IncomingMessage
+    from netmq_example.side_channel.outgoing_message import OutgoingMessage
+    from netmq_example.side_channel.raw_bytes_channel import RawBytesChannel
+    from netmq_example.side_channel.side_channel import SideChannel
+    from netmq_example.side_channel.side_channel_manager import SideChannelManager
+    from netmq_example.side_channel.stats_side_channel import StatsAggregationMethod, StatsSideChannel
+    from netmq_example.side_channel.unity_channels import EngineSettings, EnvironmentParameters, StatsRecorder
+
+__all__ = [
+    "Carrier",
+    "ClientCarrier",
+    "EngineConfig",
+    "EngineConfigurationChannel",
+    "EngineSettings",
+    "EnvironmentParameters",
+    "EnvironmentParametersChannel",
+    "FloatPropertiesChannel",
+    "IncomingMessage",
+    "OutgoingMessage",
+    "RawBytesChannel",
+    "SideChannel",
+    "SideChannelManager",
+    "StatsAggregationMethod",
+    "StatsRecorder",
+    "StatsSideChannel",
+]
+
+# Hidden from a type checker, to which any name would exist.
+if not TYPE_CHECKING:
+    ROOMS = {
+        "Carrier": "netmq_example.side_channel.carrier",
+        "ClientCarrier": "netmq_example.side_channel.carrier",
+        "EngineConfig": "netmq_example.side_channel.engine_configuration_channel",
+        "EngineConfigurationChannel": "netmq_example.side_channel.engine_configuration_channel",
+        "EngineSettings": "netmq_example.side_channel.unity_channels",
+        "EnvironmentParameters": "netmq_example.side_channel.unity_channels",
+        "EnvironmentParametersChannel": "netmq_example.side_channel.environment_parameters_channel",
+        "FloatPropertiesChannel": "netmq_example.side_channel.float_properties_channel",
+        "IncomingMessage": "netmq_example.side_channel.incoming_message",
+        "OutgoingMessage": "netmq_example.side_channel.outgoing_message",
+        "RawBytesChannel": "netmq_example.side_channel.raw_bytes_channel",
+        "SideChannel": "netmq_example.side_channel.side_channel",
+        "SideChannelManager": "netmq_example.side_channel.side_channel_manager",
+        "StatsAggregationMethod": "netmq_example.side_channel.stats_side_channel",
+        "StatsRecorder": "netmq_example.side_channel.unity_channels",
+        "StatsSideChannel": "netmq_example.side_channel.stats_side_channel",
+    }
+    __getattr__, __dir__ = door(__name__, ROOMS)

@@ -1,6 +1,6 @@
 """Carries side channels at any time, beside any steps: Carrier for Python's end, ClientCarrier for a simulator's.
 
-    carrier = Carrier(socket, lambda: SideChannelManager([StringLogChannel()]), print)       a bound ROUTER socket
+    carrier = Carrier(socket, lambda: SideChannelManager([StringLogChannel()]))              a bound ROUTER socket
     while True:
         carrier.exchange()
 
@@ -13,6 +13,7 @@ is answered with one. Each simulator has its own channels, which `welcome` makes
 SideChannelCarrier.cs.
 """
 
+import logging
 import struct
 import time
 from collections import deque
@@ -22,7 +23,7 @@ import zmq
 
 from netmq_example import check
 from netmq_example.beacon import cure
-from netmq_example.errors import longer
+from netmq_example.errors import Timeout, longer
 from netmq_example.exception import UnitySideChannelException
 from netmq_example.one_process import OneProcess
 from netmq_example.program import limit
@@ -44,6 +45,8 @@ ALIVE_SECONDS = 3.0
 ALIVE_INTERVAL_SECONDS = 1.0
 # Its first try to connect: the second, of twice as long, is over before five seconds are.
 TRY_SECONDS = 1.5
+
+log = logging.getLogger("netmq_example.envs")
 
 
 class Peer:
@@ -92,8 +95,13 @@ def parts(exchange: bytes) -> Iterator[bytes]:
 
 
 class Carrier:
+    """Trouble is logged, unless `report` takes it. Use it on one thread."""
+
     def __init__(
-        self, socket: zmq.Socket[bytes], welcome: Callable[[], SideChannelManager], report: Callable[[str], object]
+        self,
+        socket: zmq.Socket[bytes],
+        welcome: Callable[[], SideChannelManager],
+        report: Callable[[str], object] = log.warning,
     ) -> None:
         self.socket = check.blocking("socket", socket, zmq.Socket)
         self.welcome = check.function("welcome", welcome)
@@ -206,7 +214,7 @@ class ClientCarrier(OneProcess):
     def exchange(self, data: bytes, wait: float) -> list[bytes]:
         """Send an exchange, unless it is empty, and return those that have come; wait so many seconds for the first.
 
-        TimeoutError when the server was silent for too long, and there is no `report`.
+        Timeout when the server was silent for too long, and there is no `report`.
         """
         wait = check.seconds_or_none("wait", wait)
         if exchange := check.data("data", data):
@@ -225,7 +233,7 @@ class ClientCarrier(OneProcess):
             question = cure(self.endpoint, "is the server running?")
             why = f"no word from {self.endpoint} within {self.timeout:g} s; {question}"
             if not self.report:
-                raise TimeoutError(why)
+                raise Timeout(why)
             self.away = True
             self.report(f"{why} It is tried again and again")
         return received

@@ -11,6 +11,7 @@ The names are ML-Agents', so a channel that was written for it works here, and t
 In C# it is SideChannel.cs.
 """
 
+import logging
 import uuid
 from abc import ABC, abstractmethod
 from collections.abc import Callable
@@ -28,6 +29,8 @@ LARGEST_EXCHANGE_BYTES = 16 * 1024 * 1024
 MOST_QUEUED = 100_000
 MOST_QUEUED_BYTES = 4 * LARGEST_EXCHANGE_BYTES
 
+log = logging.getLogger("netmq_example.envs")
+
 
 class Channel(ABC):
     """A channel as the manager sees it: an id, queued messages, and a method that takes bytes."""
@@ -38,7 +41,7 @@ class Channel(ABC):
         self.queued_bytes = 0
         self.dropped = 0
         # The manager's, once it is registered.
-        self.report: Callable[[str], None] = print
+        self.report: Callable[[str], object] = log.warning
 
     @property
     def channel_id(self) -> uuid.UUID:

@@ -13,8 +13,8 @@ An exchange is any number of messages, one after the other; none at all is an ex
 In C# it is SideChannelManager.cs.
 """
 
+import logging
 import struct
-import sys
 import traceback
 import uuid
 from collections.abc import Callable, Sequence
@@ -29,15 +29,14 @@ MOST_KEPT = 100
 LARGEST_KEPT_BYTES = 65_536
 
 
-def to_standard_error(line: str) -> None:
-    print(line, file=sys.stderr, flush=True)
+log = logging.getLogger("netmq_example.envs")
 
 
 class SideChannelManager:
-    """The channels of one exchange. `report` gets a line about what could not be delivered, or not yet."""
+    """The channels of one exchange. What could not be delivered, or not yet, is logged, unless `report` takes it."""
 
     def __init__(
-        self, side_channels: Sequence[Channel] | None = None, report: Callable[[str], None] = to_standard_error
+        self, side_channels: Sequence[Channel] | None = None, report: Callable[[str], object] = log.warning
     ) -> None:
         # By the bytes on the wire: to make a UUID of each message's would take longer than the rest.
         self.channels: dict[bytes, Channel] = {}

@@ -7,7 +7,7 @@
         def on_action(self, action): ...
 
     simulator = SceneSimulator("Coins", 0.1, [Car("car")])      0.1 s a step
-    EnvironmentClient("tcp://127.0.0.1:5561", 30).run(simulator)
+    EnvironmentClient("tcp://127.0.0.1:5561", timeout=30).run(simulator)
 
 Its resets and steps are records (records.py), with a row for each agent that is asked for. The options of a reset are
 {"agents": names, "options": {...}}, and the rows keep the order of these names. An action is any value (trees.py); what

@@ -1,16 +1,16 @@
 """A simulator: does in a simulation what an environment asks for, each request once, and the client that connects it.
 
     client = EnvironmentClient("tcp://127.0.0.1:5559", timeout=30)       ValueError for a bad endpoint
-    client.run(Simulator(CartPole()))                                   until the environment is closed; TimeoutError
+    client.run(Simulator(CartPole()))                                   until the environment is closed; or Timeout
 
 The client says `hello` with the simulation's name, spaces and dt; then it answers resets and steps (records.py), and
 `render`, until `close`. A request that comes again, because its answer was late or lost, gets the answer that was kept.
 In C# they are Simulator.cs and EnvironmentClient.cs.
 """
 
+import logging
 import struct
 import time
-import traceback
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from typing import Any
@@ -20,7 +20,8 @@ import zmq
 
 from netmq_example import check, records
 from netmq_example.beacon import BeaconSearch
-from netmq_example.errors import longer
+from netmq_example.errors import Timeout, longer
+from netmq_example.former import positional
 from netmq_example.messages import LIMIT, Message, MessageError
 from netmq_example.one_connection import NO_CONNECTION, TRY_SECONDS, connect_once
 from netmq_example.program import SLICE_MS
@@ -36,6 +37,8 @@ ENDPOINT = "tcp://127.0.0.1:5559"
 # Without a request for so long, it says hello again: a trainer may be silent while it learns. Lesson 17's hub never is,
 # and its welcome says for how long at most.
 IDLE_SECONDS = 3600.0
+
+log = logging.getLogger("netmq_example.envs")
 
 
 class SimulatorBase(ABC):
@@ -64,7 +67,7 @@ class SimulatorBase(ABC):
             except Exception as error:
                 if not isinstance(error, MessageError):
                     # A mistake in the simulation, whose author wants to see where it is.
-                    traceback.print_exc()
+                    log.error("a mistake in the simulation", exc_info=error)
                     error = MessageError("error-in-simulation", repr(error)[:200])
                 self.kept = Message.refusal(error, request.id).frames()
             self.id = request.id
@@ -145,22 +148,23 @@ class Simulator(SimulatorBase):
 
 
 class EnvironmentClient:
-    """Serves an environment, and after it the next one. `report` gets a line for all that happens.
+    """Serves an environment, and after it the next one. It logs what happens.
 
     `prepare` gets each socket before it connects, such as lesson 15's `ClientKeys(folder).apply`.
     """
 
+    @positional("endpoint", "timeout", "report", "prepare")
     def __init__(
         self,
         endpoint: str,
-        timeout: float,
-        report: Callable[[str], None] = print,
+        *,
+        timeout: float = 30.0,
         prepare: Callable[[zmq.Socket[bytes]], object] | None = None,
     ) -> None:
         self.endpoint = check.endpoint(endpoint, ENDPOINT, beacon=True)
         self.search = BeaconSearch(endpoint)
         self.timeout = check.seconds("timeout", timeout)
-        self.report = check.function("report", report)
+        self.report = log.warning
         self.prepare = None if prepare is None else check.function("prepare", prepare)
         # When it last was in an environment, why it is in none since then, and after how many tries in vain.
         self.heard = 0.0
@@ -170,7 +174,7 @@ class EnvironmentClient:
     def run(self, simulator: SimulatorBase, count: int = 0) -> None:
         """Until it is closed, or asked for more than `count` episodes; 0 is no limit.
 
-        TimeoutError says that there was no environment for `timeout` seconds.
+        Timeout says that there was no environment for `timeout` seconds.
         """
         check.instance("simulator", simulator, SimulatorBase)
         check.count("count", count, least=0)
@@ -203,7 +207,7 @@ class EnvironmentClient:
         keys = ", and has this simulator's key on its list" if self.prepare else ""
         cure = self.search.cure(f"is the server running{keys}? ({self.why})")
         self.search.close()
-        raise TimeoutError(f"{waited}; {cure}")
+        raise Timeout(f"{waited}; {cure}")
 
     def connect(self, socket: zmq.Socket[bytes], limit: float) -> None:
         socket.linger = 0
@@ -226,7 +230,7 @@ class EnvironmentClient:
         welcome = self.receive(socket, limit)
         if welcome.kind != "welcome":
             raise MessageError("no-welcome", "hello had another answer")
-        self.report(f"simulating {simulator.name} for {self.endpoint}")
+        log.info("simulating %s for %s", simulator.name, self.endpoint)
         silence = welcome.values.get("silence")
         idle = silence if isinstance(silence, float) and 0 < silence < IDLE_SECONDS else IDLE_SECONDS
         try:
@@ -250,7 +254,7 @@ class EnvironmentClient:
         end = time.monotonic() + limit
         while not socket.poll(min(SLICE_MS, int(1000 * limit))):
             if time.monotonic() > end or not socket.poll(0, zmq.POLLOUT):
-                raise TimeoutError("the environment is gone, or silent")
+                raise Timeout("the environment is gone, or silent")
         message = records.read_frames(records.ASKS, socket.recv_multipart())
         if message.kind == "error":
             code, text = (str(message.values.get(name, "not said")) for name in ("code", "text"))

@@ -12,6 +12,7 @@ It needs aiohttp.
 import asyncio
 import contextlib
 import json
+import logging
 import socket
 from collections.abc import Awaitable, Callable
 
@@ -28,6 +29,8 @@ EVERY_SECONDS = 0.1
 # And so many when it opens.
 ARROWS_AT_FIRST = 200
 SLOWEST_SECONDS = 10
+
+log = logging.getLogger("netmq_example.server")
 
 
 class Page:
@@ -62,7 +65,7 @@ class Page:
         # end of the tap.
         page = web.WebSocketResponse(heartbeat=60, max_msg_size=1000)
         await page.prepare(request)
-        print("a page looks on", flush=True)
+        log.info("a page looks on")
         sending = asyncio.create_task(self.send(page))
         async for message in page:
             if message.type == WSMsgType.TEXT:

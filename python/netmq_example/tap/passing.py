@@ -99,7 +99,8 @@ class Link:
                     each.settimeout(None)
                     # Otherwise a small message may wait for the next one.
                     each.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-                down = threading.Thread(target=self.pass_on, args=(server, client, "down"), daemon=True)
+                name = f"netmq_example tap {self.number}"
+                down = threading.Thread(target=self.pass_on, args=(server, client, "down"), daemon=True, name=name)
                 down.start()
                 self.pass_on(client, server, "up")
                 down.join()

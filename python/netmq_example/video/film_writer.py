@@ -260,6 +260,7 @@ class Mp4Film(Film):
     def limited(self, seconds: float) -> Iterator[None]:
         """A process that reads nothing would be waited for without end: it is killed after so many seconds."""
         timer = threading.Timer(seconds, self.kill, [seconds])
+        timer.name = "netmq_example ffmpeg"
         timer.start()
         try:
             yield

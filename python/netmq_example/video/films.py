@@ -4,13 +4,13 @@
     films.wait()                                        its views: {"front": (320, 240), "map": (320, 240)}
     films.begin_render("front", "drive.gif", fps=25)    or .png, .webp, .mp4
     ...                                                 whatever else Python does with the game
-    film = films.end_render("front")                    prints: film drive.gif: 125 frames, 5.0 s, 0 skipped
+    film = films.end_render("front")                    logs: film drive.gif: 125 frames, 5.0 s, 0 skipped
     pictures = films.render_all()                       {"front": uint8 [240, 320, 3], "map": …}
     films.close()                                       or: with Films() as films
 
 A thread of its own receives and writes. The game sends at most two pictures that were not acknowledged: when writing is
-slow, it skips the others, and says how many they were. ValueError and OSError say why there can be no file, a
-MessageError is the game's refusal, a ConnectionError says that the game is gone.
+slow, it skips the others, and says how many they were. ValueError and OSError say why there can be no file.
+Refused is the game's refusal, Timeout its silence, and Lost says that it is gone.
 
 The messages are those of lesson 05. The game sends `hello` with its `views`, names with commas between them, and their
 largest widths and heights as int32 [n, 2]; the reply is `welcome`. A `begin` has `view`, `width`, `height` and `fps`;
@@ -25,6 +25,7 @@ The game's side is view_sender.py; in C# it is ViewSender.cs. It needs numpy and
 
 import contextlib
 import itertools
+import logging
 import math
 import os
 import queue
@@ -32,32 +33,35 @@ import threading
 import time
 from collections.abc import Callable, Iterable
 from concurrent.futures import Future
-from typing import Any, Self
+from typing import Any
 
 import zmq
 
 from netmq_example import check
-from netmq_example.messages import Message, MessageError
+from netmq_example.errors import Error, Lost, Refused, Timeout
+from netmq_example.former import positional
+from netmq_example.messages import Message
 from netmq_example.one_process import OneProcess
-from netmq_example.video.game import ENDPOINT, Game, Lost, bound, side
+from netmq_example.video.game import ENDPOINT, Game, bound, side
 from netmq_example.video.view_film import ViewFilm
+
+log = logging.getLogger("netmq_example.video")
 
 
 class Films(OneProcess):
-    """For any thread. `report` gets a line about each film. A socket that is given is not closed."""
+    """For any thread. Each film is logged. A socket that is given is not closed."""
 
+    @positional("endpoint", "socket", "timeout", "report")
     def __init__(
-        self,
-        endpoint: str = ENDPOINT,
-        socket: zmq.Socket[bytes] | None = None,
-        timeout: float = 10,
-        report: Callable[[str], object] = print,
+        self, endpoint: str = ENDPOINT, *, socket: zmq.Socket[bytes] | None = None, timeout: float = 10.0
     ) -> None:
+        """The game has `timeout` seconds for each answer."""
         self.timeout = check.seconds("timeout", timeout)
         check.blocking("socket", socket, zmq.Socket, type(None))
-        self.print_line = check.function("report", report)
+        self.report = log.warning
         self.owns_socket = socket is None
         self.game = Game(bound(endpoint) if socket is None else socket, self.lose)
+        self.endpoint = self.game.endpoint
         # Which of the games that came wait has returned.
         self.returned = 0
         # The newest film of each view.
@@ -67,17 +71,17 @@ class Films(OneProcess):
         self.ids = itertools.count(1)
         self.waiting: dict[int, tuple[Future[None], ViewFilm | None]] = {}
         self.over = threading.Event()
-        self.thread = threading.Thread(target=self.run, daemon=True)
+        self.thread = threading.Thread(target=self.run, daemon=True, name="netmq_example films")
 
     def wait(self, seconds: float = 60) -> dict[str, tuple[int, int]]:
-        """The next game's views, with their largest width and height. TimeoutError says that none came."""
+        """The next game's views, with their largest width and height. Timeout says that none came."""
         if seconds != math.inf:
             check.seconds_or_none("seconds", seconds)
         self.start()
         end = time.monotonic() + seconds
         while self.game.count == self.returned or not self.game.views:
             if time.monotonic() > end:
-                raise TimeoutError(f"no game came within {seconds:g} s; is it running, with a ViewRecorder in it?")
+                raise Timeout(f"no game came within {seconds:g} s; is it running, with a ViewRecorder in it?")
             time.sleep(0.02)
         self.returned = self.game.count
         return self.game.views
@@ -104,7 +108,7 @@ class Films(OneProcess):
             film.close()
             raise
         if film.path and not film.trouble:
-            self.report(f"begin {view} {film.size[1]} x {film.size[0]}")
+            self.say(log.info, f"begin {view} {film.size[1]} x {film.size[0]}")
 
     def end_render(self, view: str = "") -> ViewFilm:
         """The film, whole. Of a game that is gone it is what came."""
@@ -123,8 +127,8 @@ class Films(OneProcess):
         for view in list(self.films):
             try:
                 self.end_render(view)
-            except (OSError, MessageError) as error:
-                self.report(f"trouble: {str(error)!a:.200}")
+            except (OSError, Error) as error:
+                self.trouble(f"trouble: {str(error)!a:.200}")
 
     def render_all(self) -> dict[str, Any]:
         """The newest picture of each view; of one that is not filmed a new one."""
@@ -147,13 +151,13 @@ class Films(OneProcess):
         return {view: film.picture(self.timeout) for view, film in films.items()}
 
     def close(self) -> None:
-        """End all films, and leave the game."""
+        """End all films, and leave the game. Twice is once."""
         self.timeout = min(1, self.timeout)
         for view in [view for view, film in list(self.films.items()) if not film.over]:
-            with contextlib.suppress(OSError, MessageError):
+            with contextlib.suppress(OSError, Error):
                 self.end_render(view)
         if self.thread.is_alive() and self.game.peer:
-            with contextlib.suppress(OSError, MessageError):
+            with contextlib.suppress(OSError, Error):
                 self.ask("close", {})
         self.over.set()
         if self.thread.is_alive():
@@ -161,12 +165,6 @@ class Films(OneProcess):
         self.lose()
         if self.owns_socket:
             self.game.socket.context.destroy()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self.close()
 
     def start(self) -> None:
         """Not before it is needed: by then there is somebody who will call close."""
@@ -177,7 +175,7 @@ class Films(OneProcess):
             self.thread.start()
 
     def ask(self, kind: str, values: dict[str, Any], film: ViewFilm | None = None) -> None:
-        """Ask the game for something, and wait until it is done. MessageError is its refusal."""
+        """Ask the game for something, and wait until it is done. Refused is its refusal."""
         self.start()
         request = Message(kind, next(self.ids), values)
         done = Future[None]()
@@ -188,14 +186,17 @@ class Films(OneProcess):
         except TimeoutError:
             # Without it a game that is only slow would be filmed for ever.
             self.requests.put(Message("end", next(self.ids), {"view": values.get("view", "")}))
-            raise TimeoutError(f"no answer to {kind} within {self.timeout:g} s; does the game hang?") from None
+            raise Timeout(f"no answer to {kind} within {self.timeout:g} s; does the game hang?") from None
         finally:
             self.waiting.pop(request.id, None)
 
-    def report(self, line: str) -> None:
-        """A line that cannot be printed, as into a pipe that is closed, ends no film."""
+    def say(self, log: Callable[[str], object], line: str) -> None:
+        """A line that cannot be written, as into a pipe that is closed, ends no film."""
         with contextlib.suppress(Exception):
-            self.print_line(line)
+            log(line)
+
+    def trouble(self, line: str) -> None:
+        self.say(self.report, line)
 
     # The thread, to which the socket belongs
 
@@ -209,7 +210,7 @@ class Films(OneProcess):
                     self.hear(message)
             except Exception as error:
                 # Unforeseen. It ends the films, and not this thread: a caller would wait for nothing.
-                self.report(f"trouble: {error!r:.200}")
+                self.trouble(f"trouble: {error!r:.200}")
                 self.game.forget()
 
     def send(self, request: Message) -> None:
@@ -227,18 +228,18 @@ class Films(OneProcess):
         _, begun = self.waiting.get(message.id, (None, None))
         film = self.films.get(view)
         if message.kind == "error":
-            self.answer(message.id, MessageError(str(values.get("code"))[:40], str(values.get("text"))[:200]))
+            self.answer(message.id, Refused(str(values.get("code"))[:40], str(values.get("text"))[:200]))
         elif message.kind == "begun" and begun:
-            begun.attempt(self.report, begun.begin, message, self.game.views.get(begun.view, (0, 0)))
+            begun.attempt(self.trouble, begun.begin, message, self.game.views.get(begun.view, (0, 0)))
             self.films[begun.view] = begun
             self.answer(message.id)
         elif message.kind == "frame" and film and message.id == film.id:
-            film.attempt(self.report, film.add, message)
+            film.attempt(self.trouble, film.add, message)
             self.game.send("took", film.id, {"view": view, "number": values.get("number", 0)})
         elif message.kind == "ended" and film and not film.over:
-            film.attempt(self.report, film.end, message)
+            film.attempt(self.trouble, film.end, message)
             if film.path:
-                self.report(str(film))
+                self.say(log.info, str(film))
             self.answer(message.id)
         elif message.kind == "closed":
             self.answer(message.id)
@@ -257,9 +258,9 @@ class Films(OneProcess):
     def lose(self) -> None:
         """The game is gone: what came is a film."""
         for film in [film for film in list(self.films.values()) if not film.over]:
-            film.attempt(self.report, film.close)
+            film.attempt(self.trouble, film.close)
             if film.path:
-                self.report(f"trouble: the game is gone; {film}")
+                self.trouble(f"trouble: the game is gone; {film}")
         for id in list(self.waiting):
             self.answer(id, Lost("the game is gone"))
         # What was asked of it is not for the next one.

@@ -17,6 +17,7 @@ from typing import Any
 import zmq
 
 from netmq_example import check
+from netmq_example.errors import ListenError
 from netmq_example.messages import LIMIT, Message, MessageError, take
 from netmq_example.program import limit
 
@@ -29,10 +30,6 @@ NAME = re.compile(r"[A-Za-z0-9_ -]{1,40}")
 MOST_VIEWS = 64
 
 
-class Lost(ConnectionError):
-    """There is no game, or it is gone."""
-
-
 def side(name: str, value: Any) -> int:
     """A rule as in check.py: a width or height in pixels. 0, or gymize's -1, is the largest that the game allows."""
     if check.is_number(value) and int(value) == value and -1 <= value < 2**31:
@@ -41,7 +38,7 @@ def side(name: str, value: Any) -> int:
 
 
 def bound(endpoint: str) -> zmq.Socket[bytes]:
-    """A socket that listens, in a context of its own. ValueError and OSError say why it cannot."""
+    """A socket that listens, in a context of its own. ValueError or ListenError says why it cannot."""
     check.endpoint(endpoint, ENDPOINT, lowest_port=0)
     socket = zmq.Context().socket(zmq.ROUTER)
     limit(socket, 4 * LIMIT)
@@ -51,7 +48,8 @@ def bound(endpoint: str) -> zmq.Socket[bytes]:
     except zmq.ZMQError as error:
         socket.context.destroy()
         cure = "close() the Films that have it, or end the other program, or take another port here and in the game"
-        raise OSError(f"cannot listen on {endpoint}: {zmq.strerror(error.errno or 0)}; {cure}") from None
+        why = f"cannot listen on {endpoint}: {zmq.strerror(error.errno or 0)}; {cure}"
+        raise ListenError(error.errno, why) from None
     return socket
 
 

@@ -17,9 +17,9 @@ from time import monotonic
 from typing import Any
 
 from netmq_example import check
+from netmq_example.errors import Lost, Timeout
 from netmq_example.messages import Message, MessageError, take
 from netmq_example.video.film_writer import new_path, open_film
-from netmq_example.video.game import Lost
 
 
 def free_path(view: str) -> Path:
@@ -125,7 +125,7 @@ class ViewFilm:
         if self.came.wait(timeout) and self.over:
             raise Lost("the game is gone")
         if not self.came.wait(timeout) or self.newest is None:
-            raise TimeoutError(f"no picture of {self.view} within {timeout:g} s; is the game paused, or gone?")
+            raise Timeout(f"no picture of {self.view} within {timeout:g} s; is the game paused, or gone?")
         return self.newest.copy()
 
     def end(self, ended: Message) -> None:

@@ -1,7 +1,7 @@
 """The game's side of a film: offers views to Python, and sends the pictures that it asks for.
 
     view = FilmView("front", 320, 240)                       the largest size that Python may ask for
-    sender = ViewSender("tcp://127.0.0.1:5562", 30)          gives up after 30 s without Python
+    sender = ViewSender("tcp://127.0.0.1:5562", timeout=30)  gives up after 30 s without Python
     threading.Thread(target=sender.run, args=([view], stop)).start()          until stop.set()
 
     picture = view.due()                in each frame of the game: is a picture to be taken now?
@@ -14,12 +14,13 @@ game goes on, and when Python is back it is offered the views again. The message
 ViewSender.cs and FilmView.cs. It needs only pyzmq.
 """
 
+import logging
 import math
 import re
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -27,7 +28,8 @@ import zmq
 
 from netmq_example import check
 from netmq_example.beacon import cure
-from netmq_example.errors import longer
+from netmq_example.errors import Lost, Refused, Timeout, longer
+from netmq_example.former import positional
 from netmq_example.messages import LIMIT, Array, Message, MessageError, take
 from netmq_example.one_connection import NO_CONNECTION, TRY_SECONDS, connect_once, poll
 from netmq_example.program import limit
@@ -35,6 +37,8 @@ from netmq_example.program import limit
 # Pictures that were sent and are not acknowledged by Python yet, and pictures at all.
 MOST_SENT = 2
 MOST_PICTURES = 4
+
+log = logging.getLogger("netmq_example.video")
 
 
 @dataclass
@@ -165,18 +169,19 @@ class FilmView:
 
 
 class ViewSender:
-    """`report` gets a line about each connection and film."""
+    """Logs each connection and film. `run` is for a thread of its own."""
 
-    def __init__(self, endpoint: str, timeout: float, report: Callable[[str], object] = print) -> None:
+    @positional("endpoint", "timeout", "report")
+    def __init__(self, endpoint: str, *, timeout: float = 30.0) -> None:
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5562")
         self.timeout = check.seconds("timeout", timeout)
-        self.report = check.function("report", report)
+        self.report = log.warning
         # When Python was last there, and whether it is now.
         self.heard = 0.0
         self.connected = False
 
     def run(self, views: list[FilmView], stop: threading.Event) -> None:
-        """Until `stop`. TimeoutError says that Python was not there for `timeout` seconds."""
+        """Until `stop`. Timeout says that Python was not there for `timeout` seconds."""
         if not 0 < len({view.name for view in views}) == len(views):
             raise ValueError(f"each view needs a name of its own: {', '.join(view.name for view in views) or 'none'}")
         self.heard = time.monotonic()
@@ -186,7 +191,7 @@ class ViewSender:
             left = self.heard + self.timeout - time.monotonic()
             if left < 0:
                 waited = f"nobody films at {self.endpoint} within {self.timeout:g} s"
-                raise TimeoutError(f"{waited}; {cure(self.endpoint, 'is the server running?')} ({why})")
+                raise Timeout(f"{waited}; {cure(self.endpoint, 'is the server running?')} ({why})")
             with zmq.Context() as context, context.socket(zmq.DEALER) as socket:
                 limit(socket, LIMIT)
                 socket.sndtimeo = int(1000 * TRY_SECONDS)
@@ -194,7 +199,7 @@ class ViewSender:
                 try:
                     connect_once(socket, self.endpoint, wait, stop)
                     self.talk(socket, views, stop, wait)
-                except (MessageError, ConnectionError, TimeoutError, zmq.Again) as error:
+                except (Refused, MessageError, ConnectionError, TimeoutError, zmq.Again) as error:
                     why = str(error)
                     # Where nobody listens yet, a short try is enough.
                     tries = 0 if self.connected or isinstance(error, ConnectionRefusedError) else tries + 1
@@ -214,7 +219,7 @@ class ViewSender:
         if not welcome or welcome.kind != "welcome":
             raise MessageError("no-welcome", "no answer to hello")
         shown = ", ".join(f"{view.name} {view.width} x {view.height}" for view in views)
-        self.report(f"{self.endpoint} can film {shown}")
+        log.info("%s can film %s", self.endpoint, shown)
         self.connected = True
         try:
             while not stop.is_set() and self.serve(socket, views):
@@ -223,7 +228,7 @@ class ViewSender:
             socket.linger = 200
             # One that leaves behind each welcome is not asked again at once.
             stop.wait(TRY_SECONDS)
-        except (MessageError, ConnectionError, zmq.Again) as error:
+        except (Refused, MessageError, ConnectionError, zmq.Again) as error:
             self.report(f"trouble: {error}: no more pictures are taken")
             raise
         finally:
@@ -240,7 +245,7 @@ class ViewSender:
                 socket.send_multipart(message.frames())
                 if message.kind == "ended":
                     values = message.values
-                    self.report(f"{view.name}: {values['frames']} pictures, {values['skipped']} skipped")
+                    log.info("%s: %s pictures, %s skipped", view.name, values["frames"], values["skipped"])
         return answer is None or answer.kind != "closed"
 
     def do(self, views: list[FilmView], request: Message) -> Message | None:
@@ -261,9 +266,9 @@ class ViewSender:
     def receive(self, socket: zmq.Socket[bytes], seconds: float = 0.01) -> Message | None:
         if not socket.poll(int(1000 * seconds)):
             if not socket.poll(0, zmq.POLLOUT):
-                raise ConnectionError("Python is gone")
+                raise Lost("Python is gone")
             return None
         message = Message.read(socket.recv_multipart())
         if message.kind == "error":
-            raise MessageError(str(message.values.get("code"))[:40], str(message.values.get("text"))[:200])
+            raise Refused(str(message.values.get("code"))[:40], str(message.values.get("text"))[:200])
         return message

@@ -1,3 +1,25 @@
-from netmq_example.extras import needed
+"""The gateway for browsers, and clients of it. It needs aiohttp, and for Socket.IO python-socketio."""
 
-needed("aiohttp")
+from typing import TYPE_CHECKING
+
+from netmq_example.doors import door
+
+if TYPE_CHECKING:
+    from netmq_example.web.browser_socket import Listener, Requester, for_browsers
+    from netmq_example.web.door import Door
+    from netmq_example.web.requester import WebSocketRequester
+    from netmq_example.web.socketio_requester import SocketIORequester
+
+__all__ = ["Door", "Listener", "Requester", "SocketIORequester", "WebSocketRequester", "for_browsers"]
+
+# Hidden from a type checker, to which any name would exist.
+if not TYPE_CHECKING:
+    ROOMS = {
+        "Door": "netmq_example.web.door",
+        "Listener": "netmq_example.web.browser_socket",
+        "Requester": "netmq_example.web.browser_socket",
+        "SocketIORequester": "netmq_example.web.socketio_requester",
+        "WebSocketRequester": "netmq_example.web.requester",
+        "for_browsers": "netmq_example.web.browser_socket",
+    }
+    __getattr__, __dir__ = door(__name__, ROOMS)

@@ -1,7 +1,7 @@
 """The ZeroMQ socket of one browser, to one server. Nothing of the web is in this file.
 
     socket = Requester(context, "tcp://127.0.0.1:5551", timeout=1)       a zmq.asyncio.Context
-    frames = await socket.ask([b"Hello"])                                [b"World"], or TimeoutError
+    frames = await socket.ask([b"Hello"])                                [b"World"], or Timeout
     socket = Listener(context, "tcp://127.0.0.1:5553", timeout=1)
     frames = await socket.ask([b"pose/"])                                the newest message, or [] for nothing new
 
@@ -16,6 +16,7 @@ import zmq
 import zmq.asyncio
 
 from netmq_example import check, program
+from netmq_example.errors import Timeout
 
 # A peer that announces a larger message is disconnected before it is in memory.
 LARGEST_BYTES = 4 * 1024 * 1024
@@ -41,7 +42,7 @@ class Requester:
         self.socket: zmq.asyncio.Socket | None = None
 
     async def ask(self, frames: list[bytes]) -> list[bytes]:
-        """The frames of the reply, or TimeoutError; ValueError if the request has too many, or if there is no room."""
+        """The frames of the reply, or Timeout; ValueError if the request has too many, or if there is no room."""
         if len(frames) > MOST_FRAMES:
             raise ValueError(f"more than {MOST_FRAMES} frames; several requests take more")
         if not self.socket:
@@ -57,7 +58,7 @@ class Requester:
             # A server of texts hangs up without a word. One with arrays takes more, and only it knows.
             if (longest := max(map(len, frames), default=0)) > program.LARGEST_BYTES:
                 why += f" One of texts takes {program.LARGEST_BYTES} bytes, not {longest}"
-            raise TimeoutError(why) from None
+            raise Timeout(why) from None
 
     def close(self) -> None:
         if self.socket:

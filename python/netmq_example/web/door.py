@@ -3,9 +3,7 @@
     async def serve():
         door = Door(origins=["http://localhost:8000"], token="word")
         app = web.Application(middlewares=[door.look])
-        await door.open(app, "http://127.0.0.1:5566")            prints: listening on http://127.0.0.1:5566
-
-    run_until_killed(serve())
+        await door.open(app, "http://127.0.0.1:5566")            logs: listening on http://127.0.0.1:5566
 
 A browser lets every page connect to every WebSocket, also the page of a stranger to a gateway of this machine. All
 that the browser does about it is to name the page, as Origin: a server that does not look lets all of them in. Other
@@ -21,18 +19,19 @@ import errno
 import hmac
 import logging
 import os
-import signal
-import sys
-import threading
 import time
-import traceback
-from collections.abc import Awaitable, Callable, Coroutine, Iterator
+from collections.abc import Awaitable, Callable, Iterator
 from typing import Any
 
-from aiohttp import web
-from aiohttp.http import HttpProcessingError
+from netmq_example.extras import without
+
+try:
+    from aiohttp import web
+except ImportError as error:
+    raise without(error) from None
 
 from netmq_example import check
+from netmq_example.errors import ListenError
 from netmq_example.program import IN_USE, more_files
 
 LOOPBACK = ("127.0.0.1", "localhost")
@@ -45,6 +44,8 @@ MOST_NAMED = 20
 SILENT_SECONDS = 10
 REST_SECONDS = 75
 EXAMPLE = "http://127.0.0.1:5566"
+
+log = logging.getLogger("netmq_example.server")
 
 
 class Door:
@@ -80,7 +81,7 @@ class Door:
             return await handler(request)
         if why not in self.named and len(self.named) < MOST_NAMED:
             self.named.add(why)
-            print(f"refused: {why}", flush=True)
+            log.warning("refused: %s", why)
         return refused(403, why)
 
     def unfit(self, request: web.Request) -> str:
@@ -112,12 +113,12 @@ class Door:
         self.inside += 1
         self.number += 1
         number = self.number
-        print(f"browser {number} came by {how}", flush=True)
+        log.info("browser %s came by %s", number, how)
         try:
             yield
         finally:
             self.inside -= 1
-            print(f"browser {number} left", flush=True)
+            log.info("browser %s left", number)
 
 
 def refused(status: int, why: str) -> web.Response:
@@ -154,7 +155,7 @@ class Silence:
             for each in silent:
                 each.force_close()
             if silent:
-                print(f"let go, since they asked nothing within {SILENT_SECONDS} s: {len(silent)}", flush=True)
+                log.warning("let go, since they asked nothing within %s s: %s", SILENT_SECONDS, len(silent))
             await asyncio.sleep(1)
 
 
@@ -165,7 +166,7 @@ async def close_strangers(sockets: dict[str, Any], inside: Callable[[], set[str]
         outside = set(sockets) - inside()
         silent = before & outside
         if silent:
-            print(f"let go, since they did not ask to come in within {SILENT_SECONDS} s: {len(silent)}", flush=True)
+            log.warning("let go, since they did not ask to come in within %s s: %s", SILENT_SECONDS, len(silent))
         for name in silent:
             socket = sockets.pop(name)
             await socket.close(wait=False, abort=True)
@@ -176,12 +177,8 @@ async def close_strangers(sockets: dict[str, Any], inside: Callable[[], set[str]
 
 
 async def listen(app: web.Application, endpoint: str, token: str) -> tuple[str, int]:
-    """The host and the port at which this gateway is now. It ends the program where it cannot listen."""
+    """The host and the port at which this gateway is now. ListenError: it cannot; ValueError: no such host."""
     host, _, port = check.endpoint(endpoint, EXAMPLE, lowest_port=0).removeprefix("http://").rpartition(":")
-    # Our own mistakes it may print; not the noise of a stranger who does not speak HTTP.
-    # Until 3.9 aiohttp pings also a browser that is gone, in a task of its own, of which asyncio tells.
-    for name in ("aiohttp.server", "asyncio"):
-        logging.getLogger(name).addFilter(is_our_own)
     silence = Silence()
     # Before the door: a connection that is refused has asked.
     app.middlewares.insert(0, silence.hear)
@@ -195,45 +192,14 @@ async def listen(app: web.Application, endpoint: str, token: str) -> tuple[str, 
         await web.TCPSite(runner, host, int(port.replace("*", "0"))).start()
     except UnicodeError:
         # A part of a host's name has 63 characters at most.
-        print(f"bad endpoint '{endpoint}': write it like {EXAMPLE}", file=sys.stderr)
-        sys.exit(2)
+        raise ValueError(f"bad endpoint '{endpoint}': write it like {EXAMPLE}") from None
     except OSError as error:
         why = os.strerror(error.errno) if error.errno and error.errno > 0 else error.strerror
         cure = "try --endpoint http://127.0.0.1:0, which takes a free port"
         if error.errno == errno.EADDRINUSE:
             cure = f"{IN_USE}, or {cure}"
-        sys.exit(f"cannot listen on {endpoint}: {why}; {cure}")
+        raise ListenError(error.errno, f"cannot listen on {endpoint}: {why}; {cure}") from None
     silence.watching = asyncio.create_task(silence.watch(runner.server))
     bound = runner.addresses[0][1]
-    print(f"listening on http://{host}:{bound}", flush=True)
+    log.info("listening on http://%s:%s", host, bound)
     return host, bound
-
-
-def run_until_killed(serve: Coroutine[Any, Any, None]) -> None:
-    """Ctrl-C and SIGTERM end the process here and now, with code 0.
-
-    A KeyboardInterrupt may be caught within Socket.IO, and its tasks are not cancelled for ten seconds and more.
-    """
-    try:
-        asyncio.get_running_loop()
-    except RuntimeError:
-        # As it should be.
-        pass
-    else:
-        serve.close()
-        sys.exit("a loop runs here already, as in a notebook: start this as a program of its own, subprocess.Popen")
-    # A thread leaves the end to the main one.
-    if threading.current_thread() is threading.main_thread():
-        for each in (signal.SIGINT, getattr(signal, "SIGBREAK", signal.SIGTERM)):
-            signal.signal(each, lambda *_: os._exit(0))
-    # ZeroMQ's sockets are no files of Windows' own event loop.
-    with asyncio.Runner(loop_factory=asyncio.SelectorEventLoop) as runner:
-        runner.run(serve)
-
-
-def is_our_own(record: logging.LogRecord) -> bool:
-    """Strangers speak no HTTP, leave in the middle of a word, or send packets that are none to Engine.IO."""
-    error = record.exc_info[1] if record.exc_info else None
-    calls = [frame.f_globals["__name__"] for frame, _ in traceback.walk_tb(error.__traceback__)] if error else [""]
-    noise = calls[-1].startswith("engineio.") or "Transport is closing" in str(error)
-    return not noise and not isinstance(error, HttpProcessingError | ConnectionError)

@@ -1,10 +1,10 @@
 """A client of the gateway by WebSocket. In C# it is WebSocketRequester.cs.
 
     async with WebSocketRequester("http://127.0.0.1:5566", "hello") as requester:
-        reply = await requester.request("Hello")                                     ["World"], or TimeoutError
+        reply = await requester.request("Hello")                                     ["World"], or Timeout
 
 Each try has a new connection; what was asked when one broke is asked again. Whether it was done already only an id can
-tell, as in lesson 02. GaveUp says that the gateway refuses this client. socketio_requester.py does it by Socket.IO.
+tell, as in lesson 02. Refused: the gateway does not let this client in. socketio_requester.py does it by Socket.IO.
 """
 
 import asyncio
@@ -13,10 +13,15 @@ import time
 from types import TracebackType
 from typing import Any, Self
 
-import aiohttp
+from netmq_example.extras import without
+
+try:
+    import aiohttp
+except ImportError as error:
+    raise without(error) from None
 
 from netmq_example import check
-from netmq_example.errors import GaveUp
+from netmq_example.errors import Refused, Timeout
 from netmq_example.json_text import shallow
 
 # Raised when nobody is there, when another program is, and when the gateway leaves.
@@ -25,9 +30,10 @@ REFUSED = "{} does not let this client in: its token is missing or wrong"
 
 
 class WebRequester:
-    """Asks one of the servers behind the gateway. Its two kinds know how."""
+    """Asks one of the servers behind the gateway, in one event loop. Its two kinds know how."""
 
-    def __init__(self, endpoint: str, name: str, token: str = "", timeout: float = 2.5) -> None:
+    def __init__(self, endpoint: str, name: str, *, token: str = "", timeout: float = 2.5) -> None:
+        """For each request it has `timeout` seconds in all, in which it tries again and again."""
         self.endpoint = check.endpoint(endpoint, "http://127.0.0.1:5566")
         self.name = check.text("name", name)
         self.token: str = check.instance("token", token, str)
@@ -37,7 +43,7 @@ class WebRequester:
         self.session: aiohttp.ClientSession | None = None
 
     async def request(self, *texts: str) -> list[str]:
-        """The frames of the reply; TimeoutError if none came, however often it was asked."""
+        """The frames of the reply; Timeout if none came, however often it was asked."""
         for text in texts:
             check.instance("a text", text, str)
         end = time.monotonic() + self.timeout
@@ -58,7 +64,7 @@ class WebRequester:
         except TimeoutError:
             # The one that was under way may still be answered.
             await self.close()
-            raise TimeoutError(f"no reply from {self.endpoint} within {self.timeout:g} s; {self.trouble}") from None
+            raise Timeout(f"no reply from {self.endpoint} within {self.timeout:g} s; {self.trouble}") from None
 
     async def try_once(self, texts: tuple[str, ...]) -> list[str]:
         if not self.connected:
@@ -76,7 +82,11 @@ class WebRequester:
         raise NotImplementedError
 
     async def close(self) -> None:
+        """Twice is once."""
         raise NotImplementedError
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self.endpoint!r})"
 
     async def __aenter__(self) -> Self:
         return self
@@ -100,7 +110,7 @@ class WebSocketRequester(WebRequester):
         except aiohttp.WSServerHandshakeError as error:
             # It is there, and no timeout would help.
             if error.status == 403:
-                raise GaveUp(REFUSED.format(self.endpoint)) from None
+                raise Refused(REFUSED.format(self.endpoint)) from None
             # Its own text has the address in it, and so the token.
             raise ConnectionError(f"it says {error.status}") from None
 

@@ -32,6 +32,8 @@ MOST_WAITING = 64
 # Stands for bytes that were too many.
 TOO_LARGE = object()
 
+log = logging.getLogger("netmq_example.server")
+
 
 class BoundedPacket(Packet):  # type: ignore[misc, unused-ignore]  # It has no types.
     """An event and the bytes that follow it, each a message of its own: Socket.IO bounds one of them, and not all."""
@@ -111,8 +113,8 @@ def attach(app: web.Application, door: Door, names: list[str], opened: Callable[
         browser = browsers[sid]
         unread = server.eio.sockets[server.manager.eio_sid_from_sid(sid, "/")].queue.qsize()
         if unread > MOST_WAITING or browser.waiting == MOST_WAITING:
-            print(f"let a browser go: {MOST_WAITING} of its requests, or answers for it, wait", flush=True)
-            # Out of the dictionary at once, so that this is printed once.
+            log.warning("let a browser go: %s of its requests, or answers for it, wait", MOST_WAITING)
+            # Out of the dictionary at once, so that this is said once.
             server.start_background_task(let_go, sid, browsers.pop(sid))
             return {"error": "too many requests at once"}
         if name not in names:

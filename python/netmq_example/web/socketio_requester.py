@@ -1,7 +1,7 @@
 """The same client of the gateway by Socket.IO. In C# it is SocketIORequester.cs.
 
     async with SocketIORequester("http://127.0.0.1:5566", "hello") as requester:
-        reply = await requester.request("Hello")                                     ["World"], or TimeoutError
+        reply = await requester.request("Hello")                                     ["World"], or Timeout
 
 It needs python-socketio.
 """
@@ -16,7 +16,7 @@ try:
 except ImportError as error:
     raise without(error) from None
 
-from netmq_example.errors import GaveUp, pip_install
+from netmq_example.errors import Error, Refused, pip_install
 from netmq_example.web.requester import REFUSED, WebRequester
 
 
@@ -39,12 +39,12 @@ class SocketIORequester(WebRequester):
             await self.client.connect(self.endpoint, auth={"token": self.token}, transports=["websocket"])
         except socketio.exceptions.ConnectionError:
             if "token" in str(refusals):
-                raise GaveUp(REFUSED.format(self.endpoint)) from None
+                raise Refused(REFUSED.format(self.endpoint)) from None
             raise ConnectionError(refusals[0] if refusals else "it does not answer") from None
         except AttributeError as error:
             # The newest python-engineio needs aiohttp 3.11, and does not say so.
             why = f"aiohttp is too old for this python-socketio ({error})"
-            raise GaveUp(f"{why}: {pip_install('--upgrade', 'aiohttp')}") from None
+            raise Error(f"{why}: {pip_install('--upgrade', 'aiohttp')}") from None
 
     async def ask(self, *texts: str) -> Any:
         asked = asyncio.create_task(self.client.call(self.name, texts, timeout=self.timeout))

@@ -9,10 +9,16 @@ error is text in both cases: {"error": why}. TCP holds back a browser that does 
 import asyncio
 import contextlib
 import json
+import logging
 import struct
 from collections.abc import Callable
 
-from aiohttp import WSMessage, WSMsgType, web
+from netmq_example.extras import without
+
+try:
+    from aiohttp import WSMessage, WSMsgType, web
+except ImportError as error:
+    raise without(error) from None
 
 from netmq_example.json_text import shallow
 from netmq_example.web.browser_socket import LARGEST_BYTES, MOST_FRAMES, BrowserSocket
@@ -20,6 +26,8 @@ from netmq_example.web.door import Door, refused
 
 # How long a browser may take to accept its answer before it is disconnected.
 SLOW_SECONDS = 10
+
+log = logging.getLogger("netmq_example.server")
 
 
 def attach(app: web.Application, door: Door, names: list[str], opened: Callable[[str], BrowserSocket]) -> None:
@@ -62,7 +70,7 @@ async def talk(browser: web.WebSocketResponse, socket: BrowserSocket) -> None:
                 else:
                     await browser.send_str(answer)
         except (TimeoutError, ConnectionError):
-            print("let a browser go: it does not take its answers", flush=True)
+            log.warning("let a browser go: it does not take its answers")
             return
 
 

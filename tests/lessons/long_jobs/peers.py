@@ -10,9 +10,9 @@ import pytest
 import zmq
 
 from netmq_example.messages import Message as Message
-from netmq_example.messages import read as read
 from tests.programs import LIMIT, ROOT, steady_endpoint
 
+read = Message.read
 KEY = "14_long_jobs"
 
 

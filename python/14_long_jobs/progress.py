@@ -1,4 +1,4 @@
-"""How far a job is, in words and as a bar on a terminal.
+"""Lesson 14, progress: how far a job is, in words and as a bar on a terminal.
 
     progress = Progress()
     for news in client.watch(goal):

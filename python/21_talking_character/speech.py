@@ -1,4 +1,4 @@
-"""The words of a character on a terminal: a line for each sentence, which grows. In C# it is Speech.cs.
+"""Application 21, a character's words on a terminal: a line for each sentence, which grows. In C# it is Speech.cs.
 
     with Speech() as speech:
         for news in client.watch(ask(client, "Who are you?", most=200)):
@@ -9,11 +9,12 @@
 Its end, also by an error, ends a line that still grows.
 """
 
+import logging
 import re
 from typing import Any
 
 from netmq_example import check
-from netmq_example.errors import GaveUp
+from netmq_example.errors import Error
 from netmq_example.jobs.client import JobClient
 from netmq_example.messages import Message, take
 
@@ -69,15 +70,20 @@ class Speech:
         self.end_line()
         print(line, flush=True)
 
+    def make_way(self, record: logging.LogRecord) -> bool:
+        """The filter of a logger, whose lines are of their own, too."""
+        self.end_line()
+        return True
+
     def end_line(self) -> None:
         if self.line_is_open:
             print(flush=True)
         self.line_is_open = False
 
     def outcome(self, result: Message) -> str:
-        """The last line. GaveUp if the job was aborted."""
+        """The last line. Error if the job was aborted."""
         status = take(check.instance("result", result, Message).values, "status", str)
         if status == "aborted":
-            raise GaveUp(f"the answer broke off: {take(result.values, 'text', str)}; ask again")
+            raise Error(f"the answer broke off: {take(result.values, 'text', str)}; ask again")
         left = ", and you walked away" if status == "canceled" else ""
         return f"done: {self.words} words{left}"
