@@ -12,6 +12,7 @@ import pytest
 import zmq
 
 from netmq_example import messages
+from netmq_example.errors import Refused
 from netmq_example.messages import Array, Message, MessageError
 from tests.bad_peers import ProtocolBreaker
 from tests.conftest import CLIENTS, PYTHON
@@ -192,7 +193,7 @@ def test_a_message_shows_no_pixels():
 
 
 def test_the_error_of_a_reply_says_whose_it_is():
-    with pytest.raises(MessageError) as refusal:
+    with pytest.raises(Refused) as refusal:
         messages.Message.read_reply(Message.refusal(MessageError("no", "such kind"), 7).frames())
     assert (refusal.value.code, refusal.value.text, refusal.value.id) == ("no", "such kind", 7)
 
@@ -263,7 +264,7 @@ def test_what_a_reader_would_refuse_is_not_even_written():
         assert "\n" not in str(refusal.value) and len(str(refusal.value)) < 300, name
 
 
-def test_an_answer_that_cannot_be_written_is_answered_with_an_error(capsys):
+def test_an_answer_that_cannot_be_written_is_answered_with_an_error(printed):
     """Also where what is wrong with it could not be written; and a mistake in one's own answer has a traceback."""
 
     def refusing(error):
@@ -286,7 +287,7 @@ def test_an_answer_that_cannot_be_written_is_answered_with_an_error(capsys):
         reply = messages.Message.read(frames)
         assert (reply.kind, reply.id, reply.values["code"]) == ("error", 7, code)
         assert says in reply.values["text"]
-        assert ("Traceback" in capsys.readouterr().err) == (code == "error-in-answer")
+        assert ("Traceback" in printed.readouterr().err) == (code == "error-in-answer")
 
 
 # The clients, and servers that are not the kit's.

@@ -9,7 +9,7 @@ import time
 import pytest
 import zmq
 
-from netmq_example.errors import GaveUp
+from netmq_example.errors import Error
 from netmq_example.pose_stream import PoseSubscriber
 from tests.bad_peers import SlowLine
 from tests.conftest import CLIENTS
@@ -427,7 +427,7 @@ def test_what_is_no_publisher_is_no_timeout(context):
     """Two exceptions: nothing came in time, and what came is no snapshot."""
     nowhere = steady_endpoint()
     with context.socket(zmq.SUB) as stream, pytest.raises(TimeoutError, match="no snapshot from"):
-        PoseSubscriber(stream, nowhere, nowhere).receive(0.1)
+        PoseSubscriber(nowhere, snapshots=nowhere, stream=stream).receive(0.1)
     hello = answering(context, lambda frames: [b"Hello"])
-    with context.socket(zmq.SUB) as stream, hello as other, pytest.raises(GaveUp, match="gives no snapshots"):
-        PoseSubscriber(stream, nowhere, other).receive(100)
+    with context.socket(zmq.SUB) as stream, hello as other, pytest.raises(Error, match="gives no snapshots"):
+        PoseSubscriber(nowhere, snapshots=other, stream=stream).receive(100)

@@ -74,7 +74,7 @@ def test_a_name_that_nobody_knows_for_a_while(key, kind, serve, start, client_co
 
 def request_in_background(context, where):
     why = []
-    with contextlib.closing(BackgroundClient(where, 0.1, 1)) as client:
+    with contextlib.closing(BackgroundClient(where, timeout=0.1, tries=1)) as client:
         client.request("hello", why.append, why.append)
         while not why:
             client.poll()
@@ -89,7 +89,7 @@ def receive_action(context, where):
 
 def listen(context, where):
     with context.socket(zmq.SUB) as socket:
-        TopicListener(socket, where, "").receive(3)
+        TopicListener(where, socket=socket).receive(3)
 
 
 def exchange(context, where):
@@ -100,13 +100,15 @@ def exchange(context, where):
 
 def snapshot(context, where):
     with context.socket(zmq.SUB) as stream:
-        PoseSubscriber(stream, "tcp://127.0.0.1:5557", where).ask(0.1)
+        PoseSubscriber("tcp://127.0.0.1:5557", snapshots=where, stream=stream).ask(0.1)
 
 
 UNKNOWN = {
-    "LazyPirate": lambda context, where: LazyPirate(context, where, 0.1, 1).request("hello"),
+    "LazyPirate": lambda context, where: LazyPirate(where, timeout=0.1, tries=1, context=context).request("hello"),
     "BackgroundClient": request_in_background,
-    "ManyRequester": lambda context, where: next(ManyRequester(context, where, 1, 0.1, 1).request_many(["a"]))[2],
+    "ManyRequester": lambda context, where: str(
+        next(ManyRequester(where, timeout=0.1, tries=1).request_many(["a"])).error
+    ),
     "TopicListener": listen,
     "PoseSubscriber": snapshot,
     "SecureRequester": lambda context, where: SecureRequester(where, timeout=0.1, tries=1).request("hello"),

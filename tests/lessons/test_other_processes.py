@@ -145,15 +145,15 @@ uses = {{
     "environment": lambda: simulators.connection.ask(Message("render")),
     "waiting": lambda: simulators.find(print),
     "BackgroundClient": lambda: client.request("x", print, print),
-    "LazyPirate": lambda one=LazyPirate(context, nowhere): one.request("x"),
-    "ManyRequester": lambda one=ManyRequester(context, nowhere): list(one.request_many(["x"])),
+    "LazyPirate": lambda one=LazyPirate(nowhere, context=context): one.request("x"),
+    "ManyRequester": lambda one=ManyRequester(nowhere, context=context): list(one.request_many(["x"])),
     "DriverClient": lambda one=DriverClient(nowhere): one.send(Message("frame")),
     "SecureRequester": lambda one=SecureRequester(nowhere): one.request("x"),
     "JobClient": lambda: next(job.watch(job.ask("status"))),
     "ClientCarrier": lambda one=ClientCarrier(context, nowhere): one.exchange(b"", 0.1),
     "Films": lambda: films.wait(0.1),
     "FleetSocket": lambda one=FleetSocket(nowhere, "CartPole", 1): one.recv_multipart(),
-    "PoseSubscriber": lambda one=PoseSubscriber(context.socket(zmq.SUB), nowhere): one.receive(0.1),
+    "PoseSubscriber": lambda one=PoseSubscriber(nowhere): one.receive(0.1),
 }}
 if os.fork():
     os.wait()
@@ -192,7 +192,7 @@ def test_a_forgotten_client_ends_its_thread():
     before = {*threading.enumerate()}
     for _ in range(3):
         game = Game()
-    thread = game.client.thread
+    (thread,) = game.client.threads
     del game
     gc.collect()
     thread.join(LIMIT)
