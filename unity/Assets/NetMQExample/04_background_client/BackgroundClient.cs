@@ -48,6 +48,7 @@ namespace NetMQExample
         private readonly CancellationTokenSource stop = new CancellationTokenSource();
         private readonly Stopwatch clock = new Stopwatch();
         private readonly int capacity;
+        private readonly string endpoint;
         private readonly Thread thread;
         private (ClientState state, string error) status = (ClientState.Connecting, "");
         private TimeSpan roundTrip;
@@ -66,6 +67,7 @@ namespace NetMQExample
         {
             // The host's name is looked up on the thread, since that may take its time.
             NetMQConnection.Host(endpoint);
+            this.endpoint = endpoint;
             Require.Count("tries", tries);
             this.capacity = Require.Count("capacity", capacity);
             var first = Require.Seconds("timeout", timeout ?? TimeSpan.FromSeconds(1));
@@ -109,6 +111,9 @@ namespace NetMQExample
             wake.Set();
             return true;
         }
+
+        /// <inheritdoc/>
+        public override string ToString() => $"BackgroundClient {endpoint}: {State}";
 
         /// <summary>Runs the callbacks of what has ended. Call it in Update. If a callback throws, the exception comes
         /// out here, and the callbacks after it run in the next Poll.</summary>
