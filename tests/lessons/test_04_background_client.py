@@ -346,7 +346,7 @@ def test_in_code_with_a_server(serve, check):
     assert program.lines[-1] == "Forgotten: ok"
 
 
-NOBODY = ("Pairs", "Refusal", "Cancelled", "AskCancelled", "Stop", "Asleep", "ListenerStops")
+NOBODY = ("Pairs", "Refusal", "Cancelled", "AskCancelled", "Stop", "Asleep", "ListenerStops", "Within")
 
 
 def test_in_code_with_nobody_who_answers(serve, check, context):
@@ -378,6 +378,10 @@ def test_in_code_with_nobody_who_answers(serve, check, context):
         trouble = silence(2, 2, tries=3, timeout=4)
         assert program.lines[:4] == ["Connecting ", "Connected ", f"Retrying {trouble}", f"Connected {trouble}"]
         assert [line for line in program.lines if "tries to ask" in line] == [lost(each, 4) for each in strangers]
+        limited = [line for line in program.lines if " within 0.1 s to ask " in line or " within 1.5 s to ask " in line]
+        # A try that waits longer than is left is cut.
+        for line, tries in zip(limited, ("1 try within 0.1 s", "[234] tries within 1.5 s"), strict=True):
+            assert re.match(rf"{tries} to ask {nobody}, the last: no reply within (0|0\.\d+) s; is the right ", line)
         assert program.lines[-1] == "LookUp: ok"
 
 

@@ -72,7 +72,7 @@ namespace NetMQExample
             {
                 var limit = NetMQConnection.Longer(timeout, attempt - 1);
                 // In whole milliseconds, as the line says it.
-                var left = Math.Floor(((within ?? TimeSpan.MaxValue) - waited.Elapsed).TotalMilliseconds);
+                var left = Math.Ceiling(((within ?? TimeSpan.MaxValue) - waited.Elapsed).TotalMilliseconds);
                 var last = attempt == tries || left <= limit.TotalMilliseconds;
                 if (left < limit.TotalMilliseconds) limit = TimeSpan.FromMilliseconds(Math.Max(0, left));
                 if (Try(id, text, limit, stop, out var frames)) return frames[1];
