@@ -126,6 +126,8 @@ namespace NetMQExample.Tests
         {
             var wrong = Wrong.TryGetValue(parameter.Name, out var values) && Fits(values, parameter)
                 ? values : new object[0];
+            // Who listens may take a free port.
+            if (parameter.Member.DeclaringType == typeof(Server)) wrong = wrong.Where(each => !$"{each}".EndsWith(":0")).ToArray();
             var reference = !parameter.ParameterType.IsValueType && !NullIsNone(parameter);
             return reference ? wrong.Append(null).Distinct() : wrong;
         }
