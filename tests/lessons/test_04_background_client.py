@@ -461,7 +461,7 @@ def test_what_the_server_answers(serve, context):
 
 @pytest.fixture
 def game(start, checks):
-    """game(): a C# program that serves, and its endpoint. What it answers is in tests/lessons/checks/ServerChecks.cs."""
+    """game(): a C# program that serves, and its endpoint. Its answers are in tests/lessons/checks/ServerChecks.cs."""
 
     def game(*words):
         server = start("dotnet", checks, "server", "serve", *words)

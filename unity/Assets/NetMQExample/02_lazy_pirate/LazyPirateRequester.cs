@@ -1,7 +1,7 @@
 // Lesson 02, the lazy pirate: retry until there is a reply, and have the work done only once.
 //
 //     using var requester = new LazyPirateRequester("tcp://127.0.0.1:5552", report: Console.WriteLine);
-//     var reply = requester.Request("add 1");    // or a TimeoutException, after 5 tries; report gets a line for each retry
+//     var reply = requester.Request("add 1");    // or a TimeoutException; each retry is a line for report
 //
 // The Python side is python/02_lazy_pirate/server.py.
 // Bytes: UTF-8 text, two frames each way: [id][text]. Every retry of a request carries the same id, by which the
@@ -39,8 +39,8 @@ namespace NetMQExample
         /// <param name="timeout">How long to wait for the reply to the first try; 0.5 s when left out. Each try waits
         /// twice as long as the one before, at most 8 times as long as the first.</param>
         /// <param name="tries">How often to send a request before giving up.</param>
-        /// <param name="report">Called, on the thread of the request, with a line to log before each retry, unless it is
-        /// null.</param>
+        /// <param name="report">Called, on the thread of the request, with a line to log before each retry, unless it
+        /// is null.</param>
         /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
         public LazyPirateRequester(
             string endpoint, TimeSpan? timeout = null, int tries = 5, Action<string> report = null)

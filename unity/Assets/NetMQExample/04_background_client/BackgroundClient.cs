@@ -35,8 +35,8 @@ namespace NetMQExample
         Disposed,
     }
 
-    /// <summary>Asks a server without ever making the calling thread wait. Each client has its own thread. Any thread may
-    /// ask; Poll and Dispose belong to one, in Unity the main thread.</summary>
+    /// <summary>Asks a server without ever making the calling thread wait. Each client has its own thread. Any thread
+    /// may ask; Poll and Dispose belong to one, in Unity the main thread.</summary>
     public sealed class BackgroundClient : IDisposable
     {
         private readonly ConcurrentQueue<(Delegate callback, string text, Exception why)> done = new();

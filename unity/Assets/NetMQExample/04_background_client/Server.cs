@@ -46,7 +46,8 @@ namespace NetMQExample
         /// <summary>Listens.</summary>
         /// <param name="answer">Gets the text of a request and returns that of its reply, inside Poll or Run. If it
         /// throws, the reply is <c>error: </c> and why.</param>
-        /// <param name="endpoint">Where to listen, such as <c>tcp://127.0.0.1:5554</c>; port 0 takes a free one.</param>
+        /// <param name="endpoint">Where to listen, such as <c>tcp://127.0.0.1:5554</c>; port 0 takes a free
+        /// one.</param>
         /// <param name="openToAnyone">Whether other machines may ask: each that reaches the port.</param>
         /// <param name="report">Called with what <paramref name="answer"/> has thrown, once a second at most; when left
         /// out it goes to Unity's console, elsewhere to the standard error stream.</param>
@@ -61,11 +62,10 @@ namespace NetMQExample
 #else
             this.report = report ?? Console.Error.WriteLine;
 #endif
-            var parts = Regex.Match(endpoint ?? "", @"^tcp://([^\s:\[\]]+):(\d+)\z");
-            if (!ushort.TryParse(parts.Groups[2].Value, out _))
+            if (!ushort.TryParse(Regex.Match(endpoint ?? "", @"^tcp://[^\s:\[\]]+:(\d+)\z").Groups[1].Value, out _))
                 throw new ArgumentException(
-                    $"bad endpoint '{endpoint}': write it like tcp://127.0.0.1:PORT, PORT from 0, a free one, to 65535");
-            if (!openToAnyone && !Regex.IsMatch(parts.Groups[1].Value, @"^(localhost|127\.[\d.]+)\z"))
+                    $"bad endpoint '{endpoint}': write it like tcp://127.0.0.1:PORT; port 0 takes a free one");
+            if (!openToAnyone && !Regex.IsMatch(endpoint, @"^tcp://(localhost|127\.[\d.]+):"))
                 throw new ArgumentException(
                     $"endpoint '{endpoint}' would let anyone in: take 127.0.0.1, or pass openToAnyone: true");
             lifetime = new NetMQLifetime();
@@ -79,9 +79,10 @@ namespace NetMQExample
             {
                 Dispose();
                 if (socket == null) throw;
+                var why = (e as NetMQException)?.ErrorCode.ToString() ?? e.Message;
                 throw new GaveUpException($"cannot listen on {endpoint}: " + (e is AddressAlreadyInUseException
                     ? "the port is taken; end the server that has it, or take port 0, which is a free one"
-                    : $"{(e as NetMQException)?.ErrorCode.ToString() ?? e.Message}; is that an address of this machine?"));
+                    : $"{why}; is that an address of this machine?"));
             }
         }
 
@@ -107,7 +108,7 @@ namespace NetMQExample
         /// <summary>Answers until it is told to stop, for a program without frames.</summary>
         /// <param name="stop">Ends it, within 50 ms of being cancelled.</param>
         /// <exception cref="ObjectDisposedException">After Dispose.</exception>
-        public void Run(CancellationToken stop)
+        public void Run(CancellationToken stop = default)
         {
             do TryAnswer(NetMQConnection.Slice);
             while (!stop.IsCancellationRequested && !disposed);
@@ -150,19 +151,11 @@ namespace NetMQExample
             // The way back ends with REQ's empty frame, or with the client's name.
             var body = Math.Max(1, frames.FindIndex(0, frames.Count - 1, frame => frame.Length == 0) + 1);
             var reply = frames.GetRange(0, body);
-            switch (frames.Count - body)
-            {
-                case 1:
-                    reply.Add(Answer(frames[body]));
-                    break;
-                case 2:
-                    reply.Add(frames[body]);
-                    reply.Add(AnswerOnce(frames[0], frames[body], frames[body + 1]));
-                    break;
-                default:
-                    reply.Add(Encoding.UTF8.GetBytes("error: expected one frame, [text], or two, [id][text]"));
-                    break;
-            }
+            var texts = frames.Count - body;
+            if (texts == 2) reply.Add(frames[body]);
+            reply.Add(texts == 1 ? Answer(frames[body])
+                : texts == 2 ? AnswerOnce(frames[0], frames[body], frames[body + 1])
+                : Encoding.UTF8.GetBytes("error: expected one frame, [text], or two, [id][text]"));
             if (disposed) return true;
             // This never waits: ROUTER drops the reply to a client that has gone, or does not read.
             if (socket.TrySendMultipartBytes(TimeSpan.Zero, reply)) NetMQConnection.Show(Endpoint, true, reply);
@@ -173,9 +166,10 @@ namespace NetMQExample
         {
             if (id.Length == 0) return Answer(text);
             var key = (id.Length < UniqueIdBytes ? Bytes.GetString(client) : "", Bytes.GetString(id));
-            if (remembered.TryGetValue(key, out var known) && known.text.AsSpan().SequenceEqual(text)) return known.reply;
+            var again = remembered.TryGetValue(key, out var known);
+            if (again && known.text.AsSpan().SequenceEqual(text)) return known.reply;
             var reply = Answer(text);
-            if (!remembered.ContainsKey(key)) oldest.Enqueue(key);
+            if (!again) oldest.Enqueue(key);
             remembered[key] = (text, reply);
             if (oldest.Count > MostRemembered) remembered.Remove(oldest.Dequeue());
             return reply;

@@ -24,8 +24,9 @@ namespace NetMQExample
 
         /// <summary>Connects, which succeeds even while no server is there: ZeroMQ goes on trying.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5555</c>.</param>
-        /// <param name="timeout">How long the first try waits that is not given another time: until it is sent, and then
-        /// for the reply; 2.5 s when left out. Each try waits twice as long as the one before, up to 8 times.</param>
+        /// <param name="timeout">How long the first try waits that is not given another time: until it is sent, and
+        /// then for the reply; 2.5 s when left out. Each try waits twice as long as the one before, up to 8 times.
+        /// </param>
         /// <param name="tries">How often a message is sent before it is given up. A server that has done it may do it
         /// again.</param>
         /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>

@@ -44,8 +44,8 @@ namespace NetMQExample
         /// <param name="timeout">How long to wait for the reply to the first try, 1 s when left out. Each one waits
         /// twice as long as the one before, up to 8 times.</param>
         /// <param name="tries">How often to send a request before giving up.</param>
-        /// <param name="report">Called, on the thread of the request, with a line to log before each retry, unless it is
-        /// null.</param>
+        /// <param name="report">Called, on the thread of the request, with a line to log before each retry, unless it
+        /// is null.</param>
         /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
         public SecureRequester(string endpoint, ClientKeys keys = null, TimeSpan? timeout = null, int tries = 3,
             Action<string> report = null)
