@@ -48,7 +48,8 @@ namespace NetMQExample
         /// throws, the reply is <c>error: </c> and why.</param>
         /// <param name="endpoint">Where to listen, such as <c>tcp://127.0.0.1:5554</c>; port 0 takes a free
         /// one.</param>
-        /// <param name="openToAnyone">Whether other machines may ask: each that reaches the port.</param>
+        /// <param name="openToAnyone">Whether other machines may ask. Each that reaches the port can end NetMQ, as
+        /// SECURITY.md says.</param>
         /// <param name="report">Called with what <paramref name="answer"/> has thrown, once a second at most; when left
         /// out it goes to Unity's console, elsewhere to the standard error stream.</param>
         /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
