@@ -25,7 +25,7 @@ namespace NetMQExample.Terminal
 
             var bar = new ProgressBar();
             JobNews? last = null;
-            using var client = new JobClient(endpoint, id == "" ? JobClient.NewId() : id, timeout, tries, bar.Say);
+            using var client = new JobClient(endpoint, id == "" ? null : id, timeout, tries, bar.Say);
             Console.WriteLine($"asking {endpoint} for job {client.Job}");
             foreach (var news in client.Watch(id == "" ? client.Goal(kind, count, text) : client.Ask("status")))
             {

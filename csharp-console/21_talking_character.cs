@@ -21,7 +21,7 @@ namespace NetMQExample.Terminal
 
             var speech = new Speech();
             void Say(string line) => Console.WriteLine(speech.Text == "" ? line : $"\n{line}");
-            using var client = new JobClient(endpoint, JobClient.NewId(), timeout, tries, Say);
+            using var client = new JobClient(endpoint, null, timeout, tries, Say);
             var goal = Speech.Ask(client, prompt, count);
             Console.WriteLine($"asking {endpoint}: {LogText.Printable(prompt)}");
             foreach (var news in client.Watch(goal))

@@ -331,6 +331,20 @@ def test_a_script_of_yours_plays(pages, serve, serve_own):
     assert heard == ["Welcome, Ada!", "Welcome, Bo!", "Good to see you again, Ada!"]
 
 
+def test_a_game_of_yours_serves(console, start, run, tmp_path):
+    """The script that lesson 04 gives: each answer moves the scene once, in Update."""
+    (mine,) = (block.body for block in CSHARP if "test_a_game_of_yours_serves" in block.source)
+    (tmp_path / "Jumper.cs").write_text(mine, encoding="utf-8")
+    endpoint = steady_endpoint()
+    player = start(PYTHON, ROOT / "kit.py", "play", tmp_path / "Jumper.cs", "--endpoint", endpoint, "--seconds", "300")
+    words = ["--endpoint", endpoint, "--text", "jump", "--count", "2", "--timeout", "60"]
+    for kind, heights in ("python", (1, 2)), ("csharp", (3, 4)):
+        done = run(kind, "02_lazy_pirate", *words)
+        for number, height in enumerate(heights, 1):
+            assert f"{number}: sent jump, received at {height} m" in done.lines, (done, player.output)
+    player.stop()
+
+
 def test_a_listener_of_yours_goes_on(console, start, serve, tmp_path):
     """The script that lesson 03 gives, through an outage that is longer than its timeout."""
     (mine,) = (block.body for block in CSHARP if "test_a_listener_of_yours_goes_on" in block.source)

@@ -7,6 +7,7 @@ import importlib.util
 import itertools
 import random
 import re
+import shutil
 import sys
 import threading
 import time
@@ -345,7 +346,7 @@ def test_in_code_with_a_server(serve, check):
     assert program.lines[-1] == "Forgotten: ok"
 
 
-NOBODY = ("Pairs", "Refusal", "Cancelled", "AskCancelled", "Stop", "Asleep", "ListenerStops")
+NOBODY = ("Pairs", "Refusal", "Cancelled", "AskCancelled", "Stop", "Asleep", "ListenerStops", "Within")
 
 
 def test_in_code_with_nobody_who_answers(serve, check, context):
@@ -377,6 +378,10 @@ def test_in_code_with_nobody_who_answers(serve, check, context):
         trouble = silence(2, 2, tries=3, timeout=4)
         assert program.lines[:4] == ["Connecting ", "Connected ", f"Retrying {trouble}", f"Connected {trouble}"]
         assert [line for line in program.lines if "tries to ask" in line] == [lost(each, 4) for each in strangers]
+        limited = [line for line in program.lines if " within 0.1 s to ask " in line or " within 1.5 s to ask " in line]
+        # A try that waits longer than is left is cut.
+        for line, tries in zip(limited, ("1 try within 0.1 s", "[234] tries within 1.5 s"), strict=True):
+            assert re.match(rf"{tries} to ask {nobody}, the last: no reply within (0|0\.\d+) s; is the right ", line)
         assert program.lines[-1] == "LookUp: ok"
 
 
@@ -450,3 +455,87 @@ def test_what_the_server_answers(serve, context):
     server.wait_for("the last")
     assert len(server.lines) == 1 + sum(not reply.startswith(b"error") for _, (*_, reply) in REQUESTS.values())
     assert max(map(len, server.lines)) < 100 and "Traceback" not in server.output
+
+
+# --- a game that serves: unity/Assets/NetMQExample/04_background_client/Server.cs
+
+
+@pytest.fixture
+def game(start, checks):
+    """game(): a C# program that serves, and its endpoint. Its answers are in tests/lessons/checks/ServerChecks.cs."""
+
+    def game(*words):
+        server = start("dotnet", checks, "server", "serve", *words)
+        return server, server.wait_for(r"^listening on (tcp://127\.0\.0\.1:\d+)$")[1]
+
+    return game
+
+
+@pytest.mark.parametrize("side", ["python", "csharp"])
+def test_a_game_answers_every_client(side, game, run):
+    _, endpoint = game()
+    for key in "01_request_reply", "02_lazy_pirate", KEY, "06_many_in_flight":
+        done = run(side, key, "--endpoint", endpoint, "--count", "2", "--text", "echo größer", "--timeout", "60")
+        assert "2: sent echo größer, received größer" in done.lines, (key, done)
+
+
+def test_a_game_does_nothing_twice_and_says_what_is_wrong(game, context):
+    server, endpoint = game()
+    with context.socket(zmq.DEALER) as one, context.socket(zmq.DEALER) as other, context.socket(zmq.REQ) as req:
+
+        def ask(peer, *frames):
+            peer.send_multipart(frames)
+            assert peer.poll(LIMIT * 1000), (frames, server.output)
+            return peer.recv_multipart()
+
+        for peer in one, other, req:
+            peer.linger = 0
+            peer.connect(endpoint)
+        unique = b"1-" + b"ab" * 16
+        # In the order of the requests: who asks what, and which count answers.
+        for peer, frames, answer in [
+            (one, [unique, b"count"], b"1"),
+            (one, [unique, b"count"], b"1"),
+            # After a retry on a new connection.
+            (other, [b"", unique, b"count"], b"1"),
+            (req, [unique, b"count"], b"1"),
+            (one, [unique, b"echo hi"], b"hi"),
+            # Two clients may count their requests from 1.
+            (one, [b"1", b"count"], b"2"),
+            (one, [b"1", b"count"], b"2"),
+            (other, [b"1", b"count"], b"3"),
+            # Without an id every request is a new one.
+            (one, [b"count"], b"4"),
+            (one, [b"count"], b"5"),
+            (req, [b"", b"count"], b"6"),
+            (req, [b"", b"count"], b"7"),
+            (req, [b"echo "], b""),
+            (req, [b"\xff\xfe"], b"error: expected hello or echo TEXT, got '(2 bytes)'"),
+            (req, [b"1", b"2", b"3"], b"error: expected one frame, [text], or two, [id][text]"),
+            (one, [b"1", b"2", b"3"], b"error: expected one frame, [text], or two, [id][text]"),
+            (req, [b"9", b"throw"], b"error: InvalidOperationException: no such thing?xxx"),
+            (req, [b"7", b"null"], b"error: ArgumentNullException: answer's reply must not be null"),
+            (req, [b"8", b"long"], b"error: ArgumentException: answer's reply has more than 65536 bytes: lesson 05 "),
+            (req, [b"hello"], b"world"),
+        ]:
+            found = ask(peer, *frames)
+            assert found[-1].startswith(answer) and len(found[-1]) < 1020, (frames, found)
+            whole = len(frames) == 3 and frames[0] != b""
+            assert whole or found[:-1] == frames[:-1], (frames, found)
+    # The first mistake with all that is known of it; those in the same second are counted later.
+    server.wait_for("answer threw System.InvalidOperationException: no such thing")
+    server.wait_for("ServerChecks")
+
+
+def test_a_game_that_ends_and_begins_again(start, checks):
+    """Also on Mono, the runtime nearest to Unity's, where there is one."""
+    for runtime in ["dotnet", *filter(shutil.which, ["mono"])]:
+        done = start(runtime, checks, "server", "alone")
+        assert done.wait() == 0, done.output
+        taken, elsewhere, anyone, frames, disposed, ok = done.lines
+        assert re.fullmatch(r"cannot listen on tcp://127.0.0.1:\d+: the port is taken; end the server .*", taken)
+        assert elsewhere.startswith("cannot listen on tcp://192.0.2.1:0: AddressNotAvailable; is that an address of ")
+        assert anyone == "endpoint 'tcp://0.0.0.0:5554' would let anyone in: take 127.0.0.1, or pass openToAnyone: true"
+        assert frames == "0 bytes in a frame"
+        assert disposed.endswith(" is disposed; make a new one")
+        assert ok == "ok"

@@ -7,6 +7,7 @@ import json
 import math
 import re
 import struct
+import time
 
 import pytest
 import zmq
@@ -148,7 +149,22 @@ def test_csharp_writes_no_value_that_the_standard_lacks(messages_program):
 def test_a_requester_that_was_refused_asks_again(messages_program, context):
     with answering(context, echo) as endpoint:
         done = finished([*messages_program, "ask", "plain", endpoint])
-    assert done.stdout.splitlines()[1:] == ["unknown-kind: only echo", "230400 bytes"], done.stderr
+    assert done.stdout.splitlines()[1:] == ["5 unknown-kind: only echo", "230400 bytes"], done.stderr
+
+
+def test_a_requester_with_tries_asks_again(messages_program, context):
+    asked = []
+
+    def slow_at_first(frames):
+        asked.append(frames)
+        # Not a wait for something: the first try is over meanwhile.
+        time.sleep(1 if len(asked) == 1 else 0)
+        return echo(frames)
+
+    with answering(context, slow_at_first) as endpoint:
+        done = finished([*messages_program, "again", endpoint])
+    assert done.stdout.splitlines()[1:] == ["7"], done.stderr
+    assert len(asked) > 1
 
 
 def test_an_array_is_as_many_bytes_as_it_says_in_one_piece():

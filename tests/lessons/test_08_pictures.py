@@ -121,5 +121,5 @@ def test_a_pooled_requester_that_was_refused_asks_again_and_uses_its_buffers_aga
     with answering(context, echo) as endpoint:
         done = finished([*messages_program, "ask", "pooled", endpoint])
     *said, allocated = done.stdout.splitlines()[1:]
-    assert said == ["unknown-kind: only echo", "230400 bytes"], done.stderr
+    assert said == ["5 unknown-kind: only echo", "230400 bytes"], done.stderr
     assert int(allocated) < 23_040, "less than a tenth of one picture"

@@ -28,7 +28,7 @@ namespace NetMQExample.Tests
             {
                 AllocatesNothing, Answered, Ask, AskCancelled, Asleep, Await, Cancelled, Cleanup, Forgotten, Hud, InVain,
                 ListenerStops, LongestText, LookUp, Many, Nested, NeverPolled, NoSocket, OneAfterAnother, Pairs, Randomly,
-                Refusal, State, Stop, StopAnswered, Stuck, Throwing, Why,
+                Refusal, State, Stop, StopAnswered, Stuck, Throwing, Why, Within,
             }.ToDictionary(check => check.Method.Name);
             try
             {
@@ -122,7 +122,7 @@ namespace NetMQExample.Tests
             }
             Check(!client.Request("hello", _ => Check(false, "a reply"), _ => Check(false, "an error")), "not refused");
             var refused = client.RequestAsync("hello");
-            Check(refused.Exception?.InnerException is IOException, "RequestAsync of a full client");
+            Check(refused.Exception?.InnerException is GaveUpException, "RequestAsync of a full client");
             client.Poll();
             Equal(0, ended.Count);
             StopInTime(client);
@@ -186,6 +186,16 @@ namespace NetMQExample.Tests
             Until(() => ends.All(end => end != null), clients);
             foreach (var end in ends) Console.WriteLine(end);
             foreach (var client in clients) client.Dispose();
+        }
+
+        // Nobody answers: all tries together take no longer than this, and a try that waits longer is cut.
+        private static void Within(string endpoint)
+        {
+            using var pirate = new LazyPirateRequester(endpoint, TimeSpan.FromSeconds(0.2), tries: 100);
+            foreach (var within in new[] { 0.1, 1.5 })
+                Console.WriteLine(Throws<TimeoutException>(
+                    () => pirate.Request("hello", within: TimeSpan.FromSeconds(within))).Message);
+            Throws<ArgumentException>(() => pirate.Request("hello", within: TimeSpan.Zero));
         }
 
         private static void Answered(string endpoint)
@@ -312,7 +322,7 @@ namespace NetMQExample.Tests
                 {
                     return await unanswered.RequestAsync("hello");
                 }
-                catch (IOException e)
+                catch (ObjectDisposedException e)
                 {
                     Equal(thread, Environment.CurrentManagedThreadId);
                     return e.Message;
@@ -322,6 +332,12 @@ namespace NetMQExample.Tests
             unanswered.Dispose();
             Check(interrupted.IsCompleted, "Dispose left an await waiting");
             Equal("the client was disposed", interrupted.Result);
+            Throws<ObjectDisposedException>(() => unanswered.RequestAsync("hello").GetAwaiter().GetResult());
+            using var hasty = new BackgroundClient("tcp://127.0.0.1:1", TimeSpan.FromMilliseconds(1), tries: 1);
+            var late = hasty.RequestAsync("hello");
+            Until(() => late.IsCompleted, hasty);
+            Throws<TimeoutException>(() => late.GetAwaiter().GetResult());
+            Throws<ArgumentException>(() => hasty.RequestAsync(new string('x', 70_000)).GetAwaiter().GetResult());
             client.Dispose();
         }
 

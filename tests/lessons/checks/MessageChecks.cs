@@ -6,6 +6,7 @@
 //     write                 what no message may hold is refused before it is sent
 //     ask WHO ENDPOINT      a requester, plain or pooled, is refused, and asks again; then how many bytes a pooled one
 //                           allocates for the echo of a picture
+//     again ENDPOINT        one that waits 0.2 s asks up to twenty times
 using System;
 using System.Globalization;
 using System.Linq;
@@ -28,6 +29,7 @@ namespace NetMQExample.Tests
             if (words[0] == "read")
                 for (var line = Console.ReadLine(); line != null; line = Console.ReadLine()) Console.WriteLine(Answer(line));
             else if (words[0] == "write") Write();
+            else if (words[0] == "again") Again(words[1]);
             else Ask(words[1] == "pooled", words[2]);
         }
 
@@ -73,6 +75,12 @@ namespace NetMQExample.Tests
             catch (MessageException e) { return e.Code; }
         }
 
+        private static void Again(string endpoint)
+        {
+            using var requester = new MessageRequester(endpoint, TimeSpan.FromSeconds(0.2), tries: 20);
+            Console.WriteLine(requester.Request(new Message("echo", 7)).Id);
+        }
+
         private static void Ask(bool pooled, string endpoint)
         {
             using var requester = pooled ? new PooledRequester(endpoint) : new MessageRequester(endpoint);
@@ -80,11 +88,11 @@ namespace NetMQExample.Tests
             echo.Arrays.Add(new MessageArray("uint8", new byte[Picture], Picture));
             try
             {
-                requester.Request(new Message("frames", 1), Timeout);
+                requester.Request(new Message("frames", 5), Timeout);
             }
             catch (MessageException e)
             {
-                Console.WriteLine(e.Message);
+                Console.WriteLine($"{e.Id} {e.Message}");
             }
             Console.WriteLine($"{requester.Request(echo, Timeout).Arrays[0].Data.Length} bytes");
             if (!pooled) return;

@@ -25,6 +25,7 @@ namespace NetMQExample.Tests
                 case "records": RecordChecks.Run(rest); return 0;
                 case "rules": RuleChecks.Run(); return 0;
                 case "scene": Scenes.Run(rest[0], rest[1], rest.Skip(2).ToArray()); return 0;
+                case "server": return ServerChecks.Run(rest);
                 case "sidechannels": SideChannelChecks.Run(rest); return 0;
                 default: throw new ArgumentException($"no checks of {words[0]}");
             }

@@ -31,12 +31,12 @@ namespace NetMQExample.Tests
             ["hwm"] = new object[] { -1 },
             ["topic"] = new object[] { null },
             ["person"] = new object[] { -1 },
-            ["job"] = new object[] { null, "", "../x" },
+            ["job"] = new object[] { "", "../x" },
         };
 
         // Where null means "none", as the parameter's words say; so it does wherever it is the default.
         private static readonly string[] None =
-            { "PoseSubscriber snapshots", "SecureRequester keys", "AvatarBone end", "GraphInstance nodes" };
+            { "AvatarBone end", "GraphInstance nodes" };
 
         public static void Run()
         {
@@ -56,31 +56,33 @@ namespace NetMQExample.Tests
             if (NetMQLifetime.Users > 0) throw new Exception($"{NetMQLifetime.Users} users of NetMQ are left");
         }
 
-        // A null for what is sent, or what no server would take; and anything after Dispose, which says so at once and opens no socket.
+        // A null for what is sent, or what no server would take; and anything after Dispose, which twice is once: it says so at
+        // once and opens no socket. Each one is made by as little as it needs.
         private static void Uses()
         {
             const string Endpoint = "tcp://127.0.0.1:5551";
             var second = TimeSpan.FromSeconds(1);
-            void Quiet(string line) { }
             void Client<T>(T client, string parameter, Action<T> nothing, params Action<T>[] afterwards)
                 where T : IDisposable
             {
+                if (!$"{client}".Contains("://127.0.0.1:5551")) throw new Exception($"where is it connected to? {client}");
                 if (nothing != null)
                     Refused($"{typeof(T).Name}'s {parameter}", parameter, null, () => nothing(client));
+                client.Dispose();
                 client.Dispose();
                 foreach (var use in afterwards)
                     Refused($"{typeof(T).Name} after Dispose", "disposed", "a use", () => use(client));
             }
             var hi = new Message("hi");
             var tooLong = new string('ä', 32_769);
-            Client(new HelloRequester(Endpoint), "text", it => it.Request(null, second),
-                it => it.Request("x", second), it => it.Send("x", second), it => it.Receive(second));
-            Client(new LazyPirateRequester(Endpoint, second, 1, Quiet), "text", it => it.Request(null),
+            Client(new HelloRequester(Endpoint), "text", it => it.Request(null),
+                it => it.Request("x"), it => it.Send("x"), it => it.Receive());
+            Client(new LazyPirateRequester(Endpoint), "text", it => it.Request(null),
                 it => it.Request("x"));
-            Client(new MessageRequester(Endpoint), "request", it => it.Request(null, second),
-                it => it.Request(hi, second));
-            Client(new PooledRequester(Endpoint), "request", it => it.Request(null, second),
-                it => it.Request(hi, second));
+            Client(new MessageRequester(Endpoint), "request", it => it.Request(null),
+                it => it.Request(hi));
+            Client(new PooledRequester(Endpoint), "request", it => it.Request(null),
+                it => it.Request(hi));
             Client(new ManyRequester(Endpoint), "texts", it => it.RequestMany(null).First(),
                 it => it.RequestMany(new[] { "x" }).First());
             Client(new ManyRequester(Endpoint), "texts", it => it.RequestMany(new string[] { null }).First());
@@ -92,22 +94,26 @@ namespace NetMQExample.Tests
                         () => many.RequestMany(new[] { tooLong }).First());
                 if (many.RequestMany(new[] { tooLong }).Count() != 1) throw new Exception("the next one was refused as well");
             }
-            Client(new TopicListener(Endpoint, ""), "", null, it => it.Receive(second), it => it.Newest(second));
-            Client(new PoseSubscriber(Endpoint, "", Quiet), "", null, it => it.Receive(second));
-            Client(new DriverClient(Endpoint, second, 1, Quiet), "frame", it => it.Ask(null), it => it.Ask(hi));
-            Client(new SecureRequester(Endpoint, null, second, 1, Quiet), "text", it => it.Request(null),
+            Client(new TopicListener(Endpoint), "", null, it => it.Receive(second), it => it.Newest(second));
+            Client(new PoseSubscriber(Endpoint), "", null, it => it.Receive(second));
+            Client(new DriverClient(Endpoint), "frame", it => it.Ask(null), it => it.Ask(hi));
+            Client(new SecureRequester(Endpoint), "text", it => it.Request(null),
                 it => it.Request("x"));
-            Client(new JobClient(Endpoint, "x", second, 1, Quiet), "request", it => it.Watch(null).First(),
+            Client(new JobClient(Endpoint), "request", it => it.Watch(null).First(),
                 it => it.Watch(hi).First());
-            Client(new EnvironmentClient(Endpoint, second, Quiet), "", null,
+            Client(new EnvironmentClient(Endpoint), "", null,
                 it => it.Run(new Simulator(new CartPole()), 1, answer => answer()));
-            Client(new MessageDealer(Endpoint, second), "", null, it => it.Send(hi, default),
+            Client(new MessageDealer(Endpoint), "", null, it => it.Send(hi, default),
                 it => it.Receive(second, default));
+            Client(new ViewSender(Endpoint), "", null);
+            Client(new BodyListener(Endpoint), "", null, it => it.Receive(second));
+            Client(new SideChannels.SideChannelCarrier(Endpoint), "", null, it => it.Exchange(new byte[0], second));
+            Client(WebRequester.To("http://127.0.0.1:5551", "hello"), "", null);
             Client(new BackgroundClient(Endpoint), "text", it => it.Request(null, null));
             Client(new BackgroundClient(Endpoint), "text has more", it => it.Request(tooLong, null));
-            Client(new HelloRequester(Endpoint), "text has more", it => it.Request(tooLong, second));
-            Client(new LazyPirateRequester(Endpoint, second, 1, Quiet), "text has more", it => it.Request(tooLong));
-            Client(new SecureRequester(Endpoint, null, second, 1, Quiet), "text has more", it => it.Request(tooLong));
+            Client(new HelloRequester(Endpoint), "text has more", it => it.Request(tooLong));
+            Client(new LazyPirateRequester(Endpoint), "text has more", it => it.Request(tooLong));
+            Client(new SecureRequester(Endpoint), "text has more", it => it.Request(tooLong));
         }
 
         private static string Name(ParameterInfo parameter) =>
@@ -120,6 +126,8 @@ namespace NetMQExample.Tests
         {
             var wrong = Wrong.TryGetValue(parameter.Name, out var values) && Fits(values, parameter)
                 ? values : new object[0];
+            // Who listens may take a free port.
+            if (parameter.Member.DeclaringType == typeof(Server)) wrong = wrong.Where(each => !$"{each}".EndsWith(":0")).ToArray();
             var reference = !parameter.ParameterType.IsValueType && !NullIsNone(parameter);
             return reference ? wrong.Append(null).Distinct() : wrong;
         }

@@ -1,7 +1,7 @@
 // Lesson 02, the lazy pirate: retry until there is a reply, and have the work done only once.
 //
-//     using var requester = new LazyPirateRequester("tcp://127.0.0.1:5552", TimeSpan.FromSeconds(1), tries: 5, log);
-//     var reply = requester.Request("add 1");  // or a TimeoutException, after 5 tries; log gets a line for each retry
+//     using var requester = new LazyPirateRequester("tcp://127.0.0.1:5552", report: Console.WriteLine);
+//     var reply = requester.Request("add 1");    // or a TimeoutException; each retry is a line for report
 //
 // The Python side is python/02_lazy_pirate/server.py.
 // Bytes: UTF-8 text, two frames each way: [id][text]. Every retry of a request carries the same id, by which the
@@ -36,49 +36,62 @@ namespace NetMQExample
 
         /// <summary>Connects, which succeeds even while no server is there: ZeroMQ goes on trying.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5552</c>.</param>
-        /// <param name="timeout">How long to wait for the reply to the first try. Each try waits twice as long as the
-        /// one before, at most 8 times as long as the first.</param>
+        /// <param name="timeout">How long to wait for the reply to the first try; 0.5 s when left out. Each try waits
+        /// twice as long as the one before, at most 8 times as long as the first.</param>
         /// <param name="tries">How often to send a request before giving up.</param>
-        /// <param name="report">Called, on the thread of the request, with a line to log before each retry.</param>
+        /// <param name="report">Called, on the thread of the request, with a line to log before each retry, unless it
+        /// is null.</param>
         /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
-        public LazyPirateRequester(string endpoint, TimeSpan timeout, int tries, Action<string> report)
+        public LazyPirateRequester(
+            string endpoint, TimeSpan? timeout = null, int tries = 5, Action<string> report = null)
         {
             this.endpoint = endpoint;
-            this.timeout = Require.Seconds("timeout", timeout);
+            this.timeout = Require.Seconds("timeout", timeout ?? TimeSpan.FromSeconds(0.5));
             this.tries = Require.Count("tries", tries);
-            this.report = Require.Given("report", report);
+            this.report = report ?? (line => { });
             connection = new NetMQConnection(endpoint, () => new RequestSocket());
         }
 
         /// <summary>Sends a request until it is answered.</summary>
         /// <param name="text">The request, sent as UTF-8.</param>
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
+        /// <param name="within">How long all tries take together, at most; without it as long as each may.</param>
         /// <returns>The reply's text.</returns>
         /// <exception cref="TimeoutException">No try was answered. The request may have been done all the
         /// same.</exception>
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
         /// <exception cref="ArgumentException">The text has more than 65,536 bytes.</exception>
-        public string Request(string text, CancellationToken stop = default)
+        public string Request(string text, CancellationToken stop = default, TimeSpan? within = null)
         {
             Require.Text("text", text);
+            if (within != null) Require.Seconds("within", within.Value);
             using var alone = calls.Begin();
             var id = $"{++number}-{name}";
+            var waited = Stopwatch.StartNew();
             for (var attempt = 1; ; attempt++)
             {
                 var limit = NetMQConnection.Longer(timeout, attempt - 1);
+                // In whole milliseconds, as the line says it.
+                var left = Math.Ceiling(((within ?? TimeSpan.MaxValue) - waited.Elapsed).TotalMilliseconds);
+                var last = attempt == tries || left <= limit.TotalMilliseconds;
+                if (left < limit.TotalMilliseconds) limit = TimeSpan.FromMilliseconds(Math.Max(0, left));
                 if (Try(id, text, limit, stop, out var frames)) return frames[1];
                 var missing = connection.Unanswered ? "nobody answers to this name" : "no reply";
                 var trouble = frames == null
                     ? FormattableString.Invariant($"{missing} within {limit.TotalSeconds} s")
                     : $"dropped a reply to another request ({LogText.Printable(string.Join(" ", frames))})";
-                if (attempt == tries)
-                    throw new TimeoutException($"{NetMQConnection.Tries(tries)} to ask {endpoint}, the last: "
+                var all = within == null ? "" : FormattableString.Invariant($" within {within.Value.TotalSeconds} s");
+                if (last)
+                    throw new TimeoutException($"{NetMQConnection.Tries(attempt)}{all} to ask {endpoint}, the last: "
                         + $"{trouble}; "
                         + connection.Cure("is the right server running, the line slow, or the reply over 64 KB?")
                         + $" '{text}' may have been done or not");
                 report($"{number}: {trouble}; try {attempt + 1} of {tries}");
             }
         }
+
+        /// <inheritdoc/>
+        public override string ToString() => $"LazyPirateRequester {endpoint}";
 
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose() => connection.Dispose();
@@ -94,7 +107,8 @@ namespace NetMQExample
                 // Without waiting: after a peer that broke the protocol there may be no connection to send on.
                 answered = connection.TrySend(connection.Searching ? limit : TimeSpan.Zero, stop, id, text)
                     && connection.TryReceive(limit, stop, out frames) && frames.Count == 2 && frames[0] == id;
-                if (!answered && waited.Elapsed < limit) stop.WaitHandle.WaitOne(Pause);
+                var rest = limit - waited.Elapsed;
+                if (!answered && rest > TimeSpan.Zero) stop.WaitHandle.WaitOne(rest < Pause ? rest : Pause);
             }
             finally
             {

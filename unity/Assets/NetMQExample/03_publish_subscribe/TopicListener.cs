@@ -26,10 +26,10 @@ namespace NetMQExample
 
         /// <summary>Subscribes and connects, which succeeds even while no publisher is there.</summary>
         /// <param name="endpoint">The publisher, such as <c>tcp://127.0.0.1:5553</c>.</param>
-        /// <param name="topic">How the messages begin; empty for all of them.</param>
+        /// <param name="topic">How the messages begin; empty, as when left out, for all of them.</param>
         /// <param name="hwm">The high watermark: how many messages may wait here; 0 for any number.</param>
         /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
-        public TopicListener(string endpoint, string topic, int hwm = 1000)
+        public TopicListener(string endpoint, string topic = "", int hwm = 1000)
         {
             Require.Count("hwm", hwm, least: 0);
             this.endpoint = endpoint;
@@ -100,6 +100,9 @@ namespace NetMQExample
             for (var i = 0; i < 10_000 && TryReceive(TimeSpan.Zero, out var later); i++) newest = later;
             return Text(newest);
         }
+
+        /// <inheritdoc/>
+        public override string ToString() => $"TopicListener {endpoint}";
 
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose() => connection.Dispose();

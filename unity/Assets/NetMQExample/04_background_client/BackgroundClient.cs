@@ -35,12 +35,13 @@ namespace NetMQExample
         Disposed,
     }
 
-    /// <summary>Asks a server without ever making the calling thread wait. Each client has its own thread.</summary>
+    /// <summary>Asks a server without ever making the calling thread wait. Each client has its own thread. Any thread
+    /// may ask; Poll and Dispose belong to one, in Unity the main thread.</summary>
     public sealed class BackgroundClient : IDisposable
     {
-        private readonly ConcurrentQueue<(Action<string> callback, string text)> done = new();
+        private readonly ConcurrentQueue<(Delegate callback, string text, Exception why)> done = new();
         // With room for as many as may usually wait: to grow when the network is late would allocate memory in a frame.
-        private readonly Queue<(string text, Action<string> reply, Action<string> error)> waiting = new(64);
+        private readonly Queue<(string text, Action<string> reply, Delegate error)> waiting = new(64);
         // Guards `waiting`, whose head is the request that is being asked, and what is known.
         private readonly object gate = new object();
         // Not Monitor.Pulse: the woken thread would block on the gate, which Request still holds.
@@ -48,6 +49,7 @@ namespace NetMQExample
         private readonly CancellationTokenSource stop = new CancellationTokenSource();
         private readonly Stopwatch clock = new Stopwatch();
         private readonly int capacity;
+        private readonly string endpoint;
         private readonly Thread thread;
         private (ClientState state, string error) status = (ClientState.Connecting, "");
         private TimeSpan roundTrip;
@@ -66,6 +68,7 @@ namespace NetMQExample
         {
             // The host's name is looked up on the thread, since that may take its time.
             NetMQConnection.Host(endpoint);
+            this.endpoint = endpoint;
             Require.Count("tries", tries);
             this.capacity = Require.Count("capacity", capacity);
             var first = Require.Seconds("timeout", timeout ?? TimeSpan.FromSeconds(1));
@@ -98,7 +101,11 @@ namespace NetMQExample
         /// <exception cref="ArgumentException">The text has more than 65,536 bytes.</exception>
         /// <returns>False if refused, because as many as have room are under way, or after Dispose: neither callback
         /// will run.</returns>
-        public bool Request(string text, Action<string> reply, Action<string> error = null)
+        public bool Request(string text, Action<string> reply, Action<string> error = null) =>
+            Begin(text, reply, error);
+
+        // `error` takes the reason, as a text or as an exception.
+        internal bool Begin(string text, Action<string> reply, Delegate error)
         {
             Require.Text("text", text);
             lock (gate)
@@ -110,6 +117,9 @@ namespace NetMQExample
             return true;
         }
 
+        /// <inheritdoc/>
+        public override string ToString() => $"BackgroundClient {endpoint}: {State}";
+
         /// <summary>Runs the callbacks of what has ended. Call it in Update. If a callback throws, the exception comes
         /// out here, and the callbacks after it run in the next Poll.</summary>
         public void Poll()
@@ -117,7 +127,8 @@ namespace NetMQExample
             polled = true;
             // Only what is there now: callbacks that ask again must not make one frame last for ever.
             for (var left = done.Count; left > 0 && done.TryDequeue(out var next); left--)
-                next.callback?.Invoke(next.text);
+                if (next.callback is Action<string> run) run(next.text);
+                else (next.callback as Action<Exception>)?.Invoke(next.why);
         }
 
         /// <summary>Ends the thread, usually within 20 ms. Before it returns, the error callback of every request that
@@ -134,7 +145,8 @@ namespace NetMQExample
                 var why = "the client was disposed";
                 if (status.state == ClientState.Retrying) why += $"; {status.error}";
                 status.state = ClientState.Disposed;
-                while (waiting.TryDequeue(out var call)) done.Enqueue((call.error, why));
+                while (waiting.TryDequeue(out var call))
+                    done.Enqueue((call.error, why, new ObjectDisposedException(null, why)));
             }
             try { Poll(); }
             // After one that throws, the others run all the same.
@@ -158,12 +170,12 @@ namespace NetMQExample
                 }
                 catch (OperationCanceledException) { /* Dispose ends what waits. */ }
                 // Any exception ends in the error callback, and this thread goes on.
-                catch (Exception e) { Finish(ClientState.Lost, call.error, LogText.Why(e)); }
+                catch (Exception e) { Finish(ClientState.Lost, call.error, LogText.Why(e), e); }
             }
             pirate?.Dispose();
         }
 
-        private bool TryNext(out (string text, Action<string> reply, Action<string> error) call)
+        private bool TryNext(out (string text, Action<string> reply, Delegate error) call)
         {
             lock (gate) if (waiting.TryPeek(out call)) return true;
             // Sleeps, which costs nothing, until Request or Dispose wakes it; a second, if that is how long nobody has
@@ -181,13 +193,13 @@ namespace NetMQExample
             return false;
         }
 
-        private void Finish(ClientState state, Action<string> callback, string text)
+        private void Finish(ClientState state, Delegate callback, string text, Exception why = null)
         {
             lock (gate)
             {
                 // If it is not there any more, Dispose has ended it.
                 if (!waiting.TryDequeue(out _)) return;
-                done.Enqueue((callback, text));
+                done.Enqueue((callback, text, why));
                 if (state == ClientState.Lost)
                 {
                     status = (state, text);

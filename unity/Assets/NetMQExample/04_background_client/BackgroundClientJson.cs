@@ -53,7 +53,9 @@ namespace NetMQExample
 
         /// <summary>The same to await: <c>await client.AskAsync&lt;State, Order&gt;(state,
         /// destroyCancellationToken)</c>. The awaiting method goes on inside Poll.</summary>
-        /// <exception cref="GaveUpException">There is no such answer; the message has the reason.</exception>
+        /// <exception cref="GaveUpException">The server has answered <c>error: …</c>, or what does not fit TOrder; or
+        /// the request was refused.</exception>
+        /// <exception cref="TimeoutException">There is no answer. RequestAsync has the other exceptions.</exception>
         public static async Task<TOrder> AskAsync<TState, TOrder>(this BackgroundClient client, TState state,
             CancellationToken cancel = default) where TOrder : new() =>
             Read<TOrder>(await client.RequestAsync(JsonConvert.SerializeObject(state, Rules), cancel));

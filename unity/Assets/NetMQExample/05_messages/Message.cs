@@ -18,14 +18,22 @@ using System.Text;
 
 namespace NetMQExample
 {
-    /// <summary>What is wrong with a message: a code for programs and a text for people.</summary>
+    /// <summary>What is wrong with a message: a code for programs, a text for people, and the message's id where it has
+    /// one.</summary>
     public sealed class MessageException : IOException
     {
         /// <summary>With the code, such as <c>bad-shape</c>, first in its message.</summary>
-        public MessageException(string code, string text) : base($"{code}: {text}") => Code = code;
+        public MessageException(string code, string text, long id = 0) : base($"{code}: {text}")
+        {
+            Code = code;
+            Id = id;
+        }
 
         /// <summary>Such as <c>bad-shape</c>.</summary>
         public string Code { get; }
+
+        /// <summary>The id of the request that the error answers; 0 where it has none.</summary>
+        public long Id { get; }
     }
 
     /// <summary>An array of numbers: how they are to be read, and their bytes.</summary>

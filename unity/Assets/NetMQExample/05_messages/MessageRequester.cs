@@ -18,14 +18,30 @@ namespace NetMQExample
     /// </summary>
     public class MessageRequester : IDisposable
     {
+        private readonly string endpoint;
+        private readonly TimeSpan timeout;
+        private readonly int tries;
+
         /// <summary>Connects, which succeeds even while no server is there: ZeroMQ goes on trying.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5555</c>.</param>
-        /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
-        public MessageRequester(string endpoint) : this(endpoint, () => new RequestSocket()) { }
+        /// <param name="timeout">How long the first try waits that is not given another time: until it is sent, and
+        /// then for the reply; 2.5 s when left out. Each try waits twice as long as the one before, up to 8 times.
+        /// </param>
+        /// <param name="tries">How often a message is sent before it is given up. A server that has done it may do it
+        /// again.</param>
+        /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
+        public MessageRequester(string endpoint, TimeSpan? timeout = null, int tries = 1)
+            : this(endpoint, () => new RequestSocket(), timeout, tries)
+        {
+        }
 
         /// <summary>The same with a socket of one's own making.</summary>
-        protected MessageRequester(string endpoint, Func<NetMQSocket> make)
+        protected MessageRequester(
+            string endpoint, Func<NetMQSocket> make, TimeSpan? timeout = null, int tries = 1)
         {
+            this.endpoint = endpoint;
+            this.timeout = Require.Seconds("timeout", timeout ?? TimeSpan.FromSeconds(2.5));
+            this.tries = Require.Count("tries", tries);
             // Above the limit of Message.cs a reply is refused by name. Above this one NetMQ hangs up.
             Connection = new NetMQConnection(endpoint, make, 4 * Message.LimitBytes);
         }
@@ -35,20 +51,26 @@ namespace NetMQExample
 
         /// <summary>Sends a message and waits for its reply.</summary>
         /// <param name="request">The message.</param>
-        /// <param name="timeout">How long to wait: until it is sent, and then for the reply.</param>
+        /// <param name="timeout">How long the first try waits, in place of the requester's own.</param>
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
         /// <exception cref="MessageException">The reply is an error, with its words, or no message.</exception>
         /// <exception cref="TimeoutException">No reply came. The next request has a new socket, and so finds a server
         /// that is back again.</exception>
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
-        public Message Request(Message request, TimeSpan timeout, CancellationToken stop = default)
+        public Message Request(Message request, TimeSpan? timeout = null, CancellationToken stop = default)
         {
             if (request == null) throw new ArgumentNullException(null, "request must not be null");
             Message reply;
             try
             {
-                if (!TryExchange(request, timeout, stop, out var frames))
-                    throw Connection.NoReply(timeout);
+                var limit = timeout ?? this.timeout;
+                IReadOnlyList<ReadOnlyMemory<byte>> frames;
+                for (var vain = 1; !TryExchange(request, limit, stop, out frames); vain++)
+                {
+                    if (vain == tries) throw Connection.NoReply(limit);
+                    Connection.Close();
+                    limit = NetMQConnection.Longer(timeout ?? this.timeout, vain);
+                }
                 reply = Message.Read(frames);
             }
             catch
@@ -61,7 +83,7 @@ namespace NetMQExample
             var code = reply.Values.GetValueOrDefault("code");
             var text = reply.Values.GetValueOrDefault("text");
             throw new MessageException(LogText.Printable($"{code ?? "not said"}"),
-                LogText.Printable($"{text ?? "not said"}"));
+                LogText.Printable($"{text ?? "not said"}"), reply.Id);
         }
 
         /// <summary>Sends one message and receives another: the header, and a frame for each array.</summary>
@@ -82,6 +104,9 @@ namespace NetMQExample
             frames = received.Select(frame => new ReadOnlyMemory<byte>(frame.Buffer, 0, frame.MessageSize)).ToList();
             return true;
         }
+
+        /// <inheritdoc/>
+        public override string ToString() => $"{GetType().Name} {endpoint}";
 
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public virtual void Dispose() => Connection.Dispose();

@@ -4,8 +4,10 @@
 //     foreach (var answer in requester.RequestMany(texts)) … answer.Number, answer.Reply or answer.Failure …
 //
 // The Python side is python/06_many_in_flight/server.py.
-// Bytes: UTF-8 text, two frames each way: [id][text]. The id is a number in digits; a retry carries the same, so that
-// the server does not do twice what is at work, and a late or duplicate reply is recognised and dropped. The server is
+// Bytes: UTF-8 text, two frames each way: [id][text]. The id is NUMBER-NAME, the name 32 hex digits made once for each
+// requester, so that no two clients and no two starts have the same: a server that remembers answers gives nobody
+// another's. A retry carries the same id, so that the server does not do twice what is at work, and a late or duplicate
+// reply is recognised and dropped. The server is
 // a ROUTER: a REP takes no message without REQ's empty frame.
 // Trouble: see the header of server.py, or kill the server and start it again.
 using System;
@@ -55,6 +57,9 @@ namespace NetMQExample
         private readonly int window, tries;
         private readonly TimeSpan timeout;
         private readonly Action<string> report;
+        // The end of every id: an id must never come twice, whoever else asks and however often this program starts.
+        private readonly string name = $"-{Guid.NewGuid():N}";
+        private readonly string endpoint;
         private int lastId;
         // When something was received last, or a new socket was made.
         private TimeSpan heard;
@@ -71,6 +76,7 @@ namespace NetMQExample
         public ManyRequester(string endpoint, int window = 64, TimeSpan? timeout = null, int tries = 3,
             Action<string> report = null)
         {
+            this.endpoint = endpoint;
             this.window = Require.Count("window", window);
             this.tries = Require.Count("tries", tries);
             this.timeout = Require.Seconds("timeout", timeout ?? TimeSpan.FromSeconds(2.5));
@@ -103,7 +109,7 @@ namespace NetMQExample
                     var text = Require.Given("each of the texts", upcoming.Current);
                     var size = Encoding.UTF8.GetByteCount(text);
                     if (size <= LargestBytes)
-                        Send((++lastId).ToString(CultureInfo.InvariantCulture), number, text, 1);
+                        Send((++lastId).ToString(CultureInfo.InvariantCulture) + name, number, text, 1);
                     else
                         yield return new Answer(
                             number, null, $"not sent: {size} bytes, and the limit is {LargestBytes}");
@@ -120,6 +126,9 @@ namespace NetMQExample
                 if (outcomes.Count > 0) yield return outcomes.Dequeue();
             }
         }
+
+        /// <inheritdoc/>
+        public override string ToString() => $"ManyRequester {endpoint}";
 
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose() => connection.Dispose();

@@ -68,23 +68,24 @@ namespace NetMQExample
         /// <summary>Subscribes and connects, which succeeds even while no publisher is there.</summary>
         /// <param name="endpoint">The publisher, such as <c>tcp://127.0.0.1:5557</c>.</param>
         /// <param name="snapshots">Where it gives snapshots; null or empty for the port 100 higher.</param>
-        /// <param name="report">Called, on the thread that receives, with a line about what was missed.</param>
+        /// <param name="report">Called, on the thread that receives, with a line about what was missed, unless it is
+        /// null.</param>
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
-        public PoseSubscriber(string endpoint, string snapshots, Action<string> report)
+        public PoseSubscriber(string endpoint, string snapshots = null, Action<string> report = null)
         {
             NetMQConnection.Host(endpoint);
             var higher = Regex.Replace(endpoint, "[0-9]+$", port => $"{int.Parse(port.Value) + 100}");
             this.endpoint = endpoint;
             this.snapshots = string.IsNullOrEmpty(snapshots) ? higher : snapshots;
             NetMQConnection.Host(this.snapshots);
-            this.report = Require.Given("report", report);
+            this.report = report ?? (line => { });
             stream = new NetMQConnection(endpoint, () =>
             {
                 var socket = new SubscriberSocket();
                 socket.Subscribe("pose/");
                 return socket;
             });
-            report($"following {endpoint}, snapshots from {this.snapshots}");
+            this.report($"following {endpoint}, snapshots from {this.snapshots}");
         }
 
         /// <summary>The newest pose.</summary>
@@ -127,6 +128,9 @@ namespace NetMQExample
             // A publisher that repeats itself must not hold the caller for ever.
             return false;
         }
+
+        /// <inheritdoc/>
+        public override string ToString() => $"PoseSubscriber {endpoint}";
 
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose() => stream.Dispose();

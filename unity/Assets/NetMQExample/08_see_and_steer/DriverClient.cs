@@ -61,23 +61,26 @@ namespace NetMQExample
     public sealed class DriverClient : IDisposable
     {
         private readonly PooledRequester requester;
+        private readonly string endpoint;
         private readonly TimeSpan timeout;
         private readonly int tries;
-        private readonly Action<string> log;
+        private readonly Action<string> report;
         private int lost;
 
         /// <summary>Connects, which succeeds even while no server is there: ZeroMQ goes on trying.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5558</c>.</param>
-        /// <param name="timeout">How long to wait for an action; after each that did not come twice as long, up to 8
-        /// times.</param>
+        /// <param name="timeout">How long to wait for an action, 1 s when left out; after each that did not come twice
+        /// as long, up to 8 times.</param>
         /// <param name="tries">Pictures in a row that may stay without an action.</param>
-        /// <param name="log">Gets a line about each that has none.</param>
+        /// <param name="report">Called, on the thread that asks, with a line about each that has none, unless it is
+        /// null.</param>
         /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
-        public DriverClient(string endpoint, TimeSpan timeout, int tries, Action<string> log)
+        public DriverClient(string endpoint, TimeSpan? timeout = null, int tries = 5, Action<string> report = null)
         {
-            this.timeout = Require.Seconds("timeout", timeout);
+            this.endpoint = endpoint;
+            this.timeout = Require.Seconds("timeout", timeout ?? TimeSpan.FromSeconds(1));
             this.tries = Require.Count("tries", tries);
-            this.log = Require.Given("log", log);
+            this.report = report ?? (line => { });
             PooledBuffers.Use();
             requester = new PooledRequester(endpoint);
         }
@@ -109,7 +112,7 @@ namespace NetMQExample
             {
                 lost++;
                 if (lost >= tries) throw;
-                log($"trouble: {e.Message}");
+                report($"trouble: {e.Message}");
                 return null;
             }
         }
@@ -121,6 +124,9 @@ namespace NetMQExample
                 return Convert.ToDouble(value, CultureInfo.InvariantCulture);
             throw new MessageException("no-action", $"the reply is no action, or without a number '{name}'");
         }
+
+        /// <inheritdoc/>
+        public override string ToString() => $"DriverClient {endpoint}";
 
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose() => requester.Dispose();

@@ -26,9 +26,9 @@ namespace NetMQExample
 
         /// <summary>With room for several pictures in the operating system: the two sides then wait for each other less
         /// often.</summary>
-        /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5555</c>.</param>
-        public PooledRequester(string endpoint) : base(endpoint,
-            () => new RequestSocket { Options = { SendBuffer = 1 << 20, ReceiveBuffer = 1 << 20 } })
+        /// <inheritdoc cref="MessageRequester(string, TimeSpan?, int)"/>
+        public PooledRequester(string endpoint, TimeSpan? timeout = null, int tries = 1) : base(endpoint,
+            () => new RequestSocket { Options = { SendBuffer = 1 << 20, ReceiveBuffer = 1 << 20 } }, timeout, tries)
         {
         }
 

@@ -36,14 +36,15 @@ namespace NetMQExample
 
         /// <summary>Connects, which succeeds even while no environment is there.</summary>
         /// <param name="endpoint">The environment, such as <c>tcp://127.0.0.1:5559</c>.</param>
-        /// <param name="timeout">How long to wait for one.</param>
-        /// <param name="report">Called, on the thread that runs, with a line about what happens.</param>
+        /// <param name="timeout">How long to wait for one; 30 s when left out.</param>
+        /// <param name="report">Called, on the thread that runs, with a line about what happens, unless it is null.
+        /// </param>
         /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
-        public EnvironmentClient(string endpoint, TimeSpan timeout, Action<string> report)
+        public EnvironmentClient(string endpoint, TimeSpan? timeout = null, Action<string> report = null)
         {
             this.endpoint = endpoint;
-            this.timeout = Require.Seconds("timeout", timeout);
-            this.report = Require.Given("report", report);
+            this.timeout = Require.Seconds("timeout", timeout ?? TimeSpan.FromSeconds(30));
+            this.report = report ?? (line => { });
             received.InitEmpty();
             connection = new NetMQConnection(endpoint, () => new DealerSocket
             {
@@ -90,10 +91,14 @@ namespace NetMQExample
                 + connection.Cure($"is the server running{keys}? ({why})"));
         }
 
+        /// <inheritdoc/>
+        public override string ToString() => $"EnvironmentClient {endpoint}";
+
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose()
         {
-            received.Close();
+            // A second Close would throw.
+            if (received.IsInitialised) received.Close();
             connection.Dispose();
         }
 

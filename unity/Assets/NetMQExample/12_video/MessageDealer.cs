@@ -14,15 +14,17 @@ namespace NetMQExample
     public sealed class MessageDealer : IDisposable
     {
         private readonly NetMQConnection connection;
+        private readonly string endpoint;
         private TimeSpan timeout;
 
         /// <summary>Connects, which succeeds even while nobody is there.</summary>
         /// <param name="endpoint">Such as <c>tcp://127.0.0.1:5562</c>.</param>
-        /// <param name="timeout">How long to wait until a message is sent.</param>
+        /// <param name="timeout">How long to wait until a message is sent; 30 s when left out.</param>
         /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
-        public MessageDealer(string endpoint, TimeSpan timeout)
+        public MessageDealer(string endpoint, TimeSpan? timeout = null)
         {
-            this.timeout = Require.Seconds("timeout", timeout);
+            this.endpoint = endpoint;
+            this.timeout = Require.Seconds("timeout", timeout ?? TimeSpan.FromSeconds(30));
             connection = new NetMQConnection(endpoint, () => new DealerSocket
             {
                 // Nothing can be sent while there is no connection. Lesson 09 says why a silent peer is asked.
@@ -81,6 +83,9 @@ namespace NetMQExample
 
         /// <summary>The next message has a new socket.</summary>
         public void Close() => connection.Close();
+
+        /// <inheritdoc/>
+        public override string ToString() => $"MessageDealer {endpoint}";
 
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose() => connection.Dispose();

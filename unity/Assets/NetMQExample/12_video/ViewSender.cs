@@ -32,14 +32,15 @@ namespace NetMQExample
 
         /// <summary>Connects, which succeeds even while nobody is there.</summary>
         /// <param name="endpoint">Where Python films, such as <c>tcp://127.0.0.1:5562</c>.</param>
-        /// <param name="timeout">How long to wait for it.</param>
-        /// <param name="report">Called, on the thread that runs, with a line about what happens.</param>
+        /// <param name="timeout">How long to wait for it; 30 s when left out.</param>
+        /// <param name="report">Called, on the thread that runs, with a line about what happens, unless it is null.
+        /// </param>
         /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
-        public ViewSender(string endpoint, TimeSpan timeout, Action<string> report)
+        public ViewSender(string endpoint, TimeSpan? timeout = null, Action<string> report = null)
         {
             this.endpoint = endpoint;
-            this.timeout = Require.Seconds("timeout", timeout);
-            this.report = Require.Given("report", report);
+            this.timeout = Require.Seconds("timeout", timeout ?? TimeSpan.FromSeconds(30));
+            this.report = report ?? (line => { });
             dealer = new MessageDealer(endpoint, timeout);
         }
 
@@ -85,6 +86,9 @@ namespace NetMQExample
                 throw new TimeoutException(FormattableString.Invariant(
                     $"nobody films at {endpoint} within {timeout.TotalSeconds} s; is the server running? ({why})"));
         }
+
+        /// <inheritdoc/>
+        public override string ToString() => $"ViewSender {endpoint}";
 
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose() => dealer.Dispose();

@@ -39,14 +39,14 @@ namespace NetMQExample.SideChannels
 
         /// <summary>Connects, which succeeds even while no server is there.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5563</c>.</param>
-        /// <param name="timeout">How long it may be silent.</param>
+        /// <param name="timeout">How long it may be silent; 5 s when left out.</param>
         /// <param name="report">Gets a line when it is silent for longer, and then the carrier goes on trying. Without
         /// it that ends with TimeoutException.</param>
         /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
-        public SideChannelCarrier(string endpoint, TimeSpan timeout, Action<string> report = null)
+        public SideChannelCarrier(string endpoint, TimeSpan? timeout = null, Action<string> report = null)
         {
             this.endpoint = endpoint;
-            this.timeout = Require.Seconds("timeout", timeout);
+            this.timeout = Require.Seconds("timeout", timeout ?? TimeSpan.FromSeconds(5));
             this.report = report;
             connection = new NetMQConnection(endpoint, () => new DealerSocket(), SideChannel.LargestExchangeBytes);
         }
@@ -94,6 +94,9 @@ namespace NetMQExample.SideChannels
             }
             return received;
         }
+
+        /// <inheritdoc/>
+        public override string ToString() => $"SideChannelCarrier {endpoint}";
 
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose() => connection.Dispose();

@@ -1,8 +1,8 @@
 // Lesson 14, the job's client: starts a job or comes back to it, watches and cancels it.
 //
-//     using var client = new JobClient(endpoint, JobClient.NewId(), TimeSpan.FromSeconds(1), tries: 5, report);
+//     using var client = new JobClient("tcp://127.0.0.1:5564", report: log);      or, of a job that is there: job: id
 //     foreach (var news in client.Watch(client.Goal("picture", 100), stop))        or: client.Ask("status")
-//         report(news.Line);                                       client.Cancel() in between, on any thread
+//         log(news.Line);                                          client.Cancel() in between, on any thread
 //
 // The Python side is python/14_long_jobs/server.py, whose header says what the bytes are.
 // The client repeats its request, and the server begins no job twice. So lost messages and restarts of either side do
@@ -37,21 +37,24 @@ namespace NetMQExample
 
         /// <summary>Connects, which succeeds even while no server is there: ZeroMQ goes on trying.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5564</c>.</param>
-        /// <param name="job">The job's id: a new one, or that of a job to come back to.</param>
-        /// <param name="timeout">How long to wait for a word of the job before connecting anew. Each try waits twice as
-        /// long as the one before, up to 8 times.</param>
+        /// <param name="job">The id of a job to come back to; a new one when left out.</param>
+        /// <param name="timeout">How long to wait for a word of the job before connecting anew, 1 s when left out. Each
+        /// try waits twice as long as the one before, up to 8 times.</param>
         /// <param name="tries">How often that may happen in a row before giving up.</param>
-        /// <param name="report">Called, on the thread that watches, with a line to log about each trouble.</param>
+        /// <param name="report">Called, on the thread that watches, with a line to log about each trouble, unless it
+        /// is null.</param>
         /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
-        public JobClient(string endpoint, string job, TimeSpan timeout, int tries, Action<string> report)
+        public JobClient(string endpoint, string job = null, TimeSpan? timeout = null, int tries = 5,
+            Action<string> report = null)
         {
-            if (!Regex.IsMatch(job ?? "", "^[0-9A-Za-z][0-9A-Za-z-]{0,63}\\z"))
+            job ??= NewId();
+            if (!Regex.IsMatch(job, "^[0-9A-Za-z][0-9A-Za-z-]{0,63}\\z"))
                 throw new ArgumentException("resume takes the id of a job, such as the one that leave-at prints");
             this.endpoint = endpoint;
             Job = job;
-            this.timeout = Require.Seconds("timeout", timeout);
+            this.timeout = Require.Seconds("timeout", timeout ?? TimeSpan.FromSeconds(1));
             this.tries = Require.Count("tries", tries);
-            this.report = Require.Given("report", report);
+            this.report = report ?? (line => { });
             connection = new NetMQConnection(endpoint, () => new DealerSocket(), Message.LimitBytes);
         }
 
@@ -150,6 +153,9 @@ namespace NetMQExample
         /// <summary>Asks for the job's end, on any thread. It may come too late: the result says what it
         /// became.</summary>
         public void Cancel() => cancel = 1;
+
+        /// <inheritdoc/>
+        public override string ToString() => $"JobClient {endpoint}";
 
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose() => connection.Dispose();

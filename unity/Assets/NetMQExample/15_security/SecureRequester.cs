@@ -1,6 +1,6 @@
 // Lesson 15, the client's side: a requester with keys, that says so when it is refused.
 //
-//     using var requester = new SecureRequester("tcp://127.0.0.1:5565", new ClientKeys("keys"), timeout, 3, Log);
+//     using var requester = new SecureRequester("tcp://127.0.0.1:5565", new ClientKeys("keys"));
 //     requester.Request("Hello");        the reply, or TimeoutException
 //
 // The Python side is python/15_security/server.py.
@@ -41,18 +41,20 @@ namespace NetMQExample
         /// <summary>Connects, which succeeds even while no server is there, or one that refuses.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5565</c>.</param>
         /// <param name="keys">Who this is, and which server; null speaks plain, which such a server refuses.</param>
-        /// <param name="timeout">How long to wait for the reply to the first try. Each one waits twice as long as the
-        /// one before, up to 8 times.</param>
+        /// <param name="timeout">How long to wait for the reply to the first try, 1 s when left out. Each one waits
+        /// twice as long as the one before, up to 8 times.</param>
         /// <param name="tries">How often to send a request before giving up.</param>
-        /// <param name="report">Called, on the thread of the request, with a line to log before each retry.</param>
+        /// <param name="report">Called, on the thread of the request, with a line to log before each retry, unless it
+        /// is null.</param>
         /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
-        public SecureRequester(string endpoint, ClientKeys keys, TimeSpan timeout, int tries, Action<string> report)
+        public SecureRequester(string endpoint, ClientKeys keys = null, TimeSpan? timeout = null, int tries = 3,
+            Action<string> report = null)
         {
             this.endpoint = endpoint;
             this.keys = keys;
-            this.timeout = Require.Seconds("timeout", timeout);
+            this.timeout = Require.Seconds("timeout", timeout ?? TimeSpan.FromSeconds(1));
             this.tries = Require.Count("tries", tries);
-            this.report = Require.Given("report", report);
+            this.report = report ?? (line => { });
             // Before there is anything to close again.
             NetMQConnection.Check(endpoint);
             connection = new NetMQConnection(endpoint, Make);
@@ -85,6 +87,9 @@ namespace NetMQExample
                 report($"{number}: {trouble}; try {attempt + 1} of {tries}");
             }
         }
+
+        /// <inheritdoc/>
+        public override string ToString() => $"SecureRequester {endpoint}";
 
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose()

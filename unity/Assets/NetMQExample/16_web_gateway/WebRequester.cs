@@ -1,6 +1,6 @@
 // Asks one of the servers behind the gateway, without ever waiting: what WebSocket and Socket.IO have in common.
 //
-//     using var requester = new WebSocketRequester("http://127.0.0.1:5566", "hello", token: "", timeout);
+//     using var requester = new WebSocketRequester("http://127.0.0.1:5566", "hello");
 //     requester.Ask("Hello");
 //     if (requester.TryReceive(out var frames)) …           once a frame, until it is true
 //
@@ -29,19 +29,19 @@ namespace NetMQExample
 
         /// <summary>Connects with the first request.</summary>
         /// <param name="endpoint">The gateway, such as <c>http://127.0.0.1:5566</c>.</param>
-        /// <param name="timeout">How long to wait for each reply.</param>
+        /// <param name="timeout">How long to wait for each reply; 2.5 s when left out.</param>
         /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
-        protected WebRequester(string endpoint, TimeSpan timeout)
+        protected WebRequester(string endpoint, TimeSpan? timeout = null)
         {
             var parts = Regex.Match(endpoint ?? "", @"^https?://[^\s:/]+:([0-9]+)$");
             if (!ushort.TryParse(parts.Groups[1].Value, out var port) || port == 0)
                 throw new ArgumentException(
                     $"bad endpoint '{endpoint}': write it like http://127.0.0.1:PORT, PORT from 1 to 65535");
-            if (timeout <= TimeSpan.Zero || timeout > TimeSpan.FromDays(1))
-                throw new ArgumentException(FormattableString.Invariant(
-                    $"timeout must be more than 0 s and at most a day, not {timeout.TotalSeconds}"));
             this.endpoint = endpoint;
-            this.timeout = timeout;
+            this.timeout = timeout ?? TimeSpan.FromSeconds(2.5);
+            if (this.timeout <= TimeSpan.Zero || this.timeout > TimeSpan.FromDays(1))
+                throw new ArgumentException(FormattableString.Invariant(
+                    $"timeout must be more than 0 s and at most a day, not {this.timeout.TotalSeconds}"));
         }
 
         /// <summary>The one place that knows both kinds.</summary>
@@ -49,10 +49,11 @@ namespace NetMQExample
         /// <param name="name">The server behind it, such as hello.</param>
         /// <param name="socketIO">By Socket.IO in place of plain WebSocket.</param>
         /// <param name="token">The word that the gateway was given as --token.</param>
-        /// <param name="timeout">How long to wait for each reply.</param>
+        /// <param name="timeout">How long to wait for each reply; 2.5 s when left out.</param>
         /// <returns>A requester, which connects with the first request.</returns>
         /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
-        public static WebRequester To(string endpoint, string name, bool socketIO, string token, TimeSpan timeout)
+        public static WebRequester To(string endpoint, string name, bool socketIO = false, string token = "",
+            TimeSpan? timeout = null)
         {
             if (socketIO) return new SocketIORequester(endpoint, name, token, timeout);
             return new WebSocketRequester(endpoint, name, token, timeout);
@@ -97,6 +98,9 @@ namespace NetMQExample
             frames = answer;
             return frames != null;
         }
+
+        /// <inheritdoc/>
+        public override string ToString() => $"{GetType().Name} {endpoint}";
 
         /// <summary>Leaves at once, and does not come again.</summary>
         public void Dispose()

@@ -23,7 +23,7 @@ namespace NetMQExample
         /// <param name="person">Which one; they count from 0.</param>
         /// <param name="hand">left or right for a hand; empty for the person.</param>
         /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
-        public BodyListener(string endpoint, int person, string hand = "")
+        public BodyListener(string endpoint, int person = 0, string hand = "")
         {
             if (Require.Given("hand", hand) != "" && hand != "left" && hand != "right")
                 throw new ArgumentException($"there is no hand '{LogText.Printable(hand)}': take left or right");
@@ -83,6 +83,9 @@ namespace NetMQExample
                 $"{Name}: pose {pose.Number}, {(body ? "right knee" : "finger")} {pose.Angle(a, b, c):F0} degrees, ")
                 + FormattableString.Invariant($"{1000 * behind:F0} ms late");
         }
+
+        /// <inheritdoc/>
+        public override string ToString() => $"BodyListener {endpoint}";
 
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose() => listener.Dispose();
