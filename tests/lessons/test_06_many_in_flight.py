@@ -111,8 +111,7 @@ def test_replies_come_when_they_are_ready_and_a_slow_request_fails_alone(side, s
         assert run.lines[-1] == f"gave up: 2 of 4 requests to {endpoint} have no reply; see above"
 
 
-# In Python the ids are still numbers alone.
-@pytest.mark.parametrize("side", ["csharp"])
+@pytest.mark.parametrize("side", ["python", "csharp"])
 def test_a_client_that_is_started_again_is_given_no_answer_from_before(side, serve, run):
     """Lesson 02's server remembers by the id alone."""
     _, endpoint = serve("02_lazy_pirate")

@@ -98,6 +98,11 @@ def exchange(context, where):
         carrier.exchange(b"", 0.1)
 
 
+def ask_many(context, where):
+    with ManyRequester(where, timeout=0.1, tries=1) as requester:
+        return str(next(requester.request_many(["a"])).error)
+
+
 def snapshot(context, where):
     with context.socket(zmq.SUB) as stream:
         PoseSubscriber("tcp://127.0.0.1:5557", snapshots=where, stream=stream).ask(0.1)
