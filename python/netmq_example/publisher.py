@@ -36,7 +36,7 @@ class Publisher(OneProcess):
         not_for_anyone(check.endpoint(endpoint, "tcp://127.0.0.1:5553", lowest_port=0), open_to_anyone)
         with contextlib.ExitStack() as stack:
             # The end of a context of its own waits until the port is free.
-            context = check.context(context) if context else stack.enter_context(zmq.Context())
+            context = stack.enter_context(zmq.Context()) if context is None else check.context(context)
             self.socket: Socket = stack.enter_context(context.socket(zmq.PUB))
             limit(self.socket, LARGEST_BYTES)
             self.endpoint = bind(self.socket, endpoint)

@@ -97,7 +97,7 @@ class Server(OneProcess):
         self.thread: threading.Thread | None = None
         with contextlib.ExitStack() as stack:
             # The end of a context of its own waits until the port is free; and libzmq asks one authenticator in each.
-            context = check.context(context) if context else stack.enter_context(zmq.Context())
+            context = stack.enter_context(zmq.Context()) if context is None else check.context(context)
             self.socket: Socket = stack.enter_context(context.socket(zmq.ROUTER))
             limit(self.socket, 4 * LIMIT if messages else LARGEST_BYTES)
             if messages:
