@@ -103,7 +103,7 @@ class BackgroundClient(OneProcess):
             pirate.report = functools.partial(tell, client, ClientState.RETRYING)
         self.endpoint = endpoint
         # In one variable: a reader never gets state and error of two moments.
-        self.status = Status(ClientState.CONNECTING, "")
+        self.status: Status = Status(ClientState.CONNECTING, "")
         self.gate = threading.Lock()
         # The callbacks of each request by its number: the threads have none of them.
         self.calls: dict[int, tuple[Callback, Callback]] = {}

@@ -44,6 +44,10 @@ class ListenError(Error, OSError):
 class Coded(Error):
     """An error with a code for programs, a text for people, and the id of a message, 0 where it has none."""
 
+    code: str
+    text: str
+    id: int
+
     def __init__(self, code: str, text: str = "", id: int = 0) -> None:
         whole = f"{code}: {text}" if text else str(code)
         if not text:
