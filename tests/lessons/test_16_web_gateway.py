@@ -79,7 +79,7 @@ def echo():
 @contextlib.contextmanager
 def opened(*words, change=""):
     """A gateway: its program and its endpoint. It may change a number of the package; strangers make it no noise."""
-    changed = f"from netmq_example.web import door; {change}; import server; server.main()"
+    changed = f"from netmq_example.web import door; {change}; import server; server.run(server.main)"
     command = ["-c", changed] if change else [str(FOLDER / "server.py")]
     program = Program([PYTHON, *command, "--endpoint", "http://127.0.0.1:0", *PATIENT, *words], PYTHONPATH=PATH)
     try:
