@@ -8,9 +8,9 @@ import signal
 import sys
 import time
 import urllib.error
-import urllib.parse
 import urllib.request
 from concurrent.futures import ThreadPoolExecutor
+from urllib.parse import urlencode
 
 import pytest
 import zmq
@@ -177,12 +177,13 @@ def test_a_web_service(run, serve, tmp_path):
     port = free_port()
     end = (BY_UVICORN if real else BY_AIOHTTP).replace("PORT", str(port))
     # A busy machine may take longer for a hundred than the seconds of the page, which the last one waits for in vain.
-    service = run(f"{program}\n\n{end}".replace("within=3", "within=30 if text[0] == 'e' else 3"), "tcp://127.0.0.1:5554", endpoint)
+    patient = program.replace("within=3", "within=30 if text[0] == 'e' else 3")
+    service = run(f"{patient}\n\n{end}", "tcp://127.0.0.1:5554", endpoint)
     service.wait_for("[Rr]unning on http://")
 
     def get(text):
         try:
-            with urllib.request.urlopen(f"http://127.0.0.1:{port}/ask?{urllib.parse.urlencode({'text': text})}") as reply:
+            with urllib.request.urlopen(f"http://127.0.0.1:{port}/ask?{urlencode({'text': text})}") as reply:
                 return reply.status, json.load(reply)
         except urllib.error.HTTPError as error:
             with error:
