@@ -17,8 +17,9 @@ import zmq
 
 from kitlib.docs import guide
 from netmq_example import LazyPirate, Publisher, TopicListener, errors
+from netmq_example.pose_stream import snapshots_beside
 from tests.conftest import PYTHON
-from tests.programs import ROOT, finished, free_port, steady_endpoint
+from tests.programs import ROOT, finished, free_port, steady_endpoint, two_ports
 
 BLOCKS = [block for page in guide.pages() for block in guide.blocks(page)]
 # A program finds the package here, as if it was installed.
@@ -106,10 +107,12 @@ def test_a_publisher_of_ones_own(run):
     assert frames[0] == b"scores/" and text == f"scores/ {json.loads(frames[1])['red']}"
 
 
-def test_a_subscriber_of_ones_own(run, serve):
-    (program,) = programs("test_a_subscriber_of_ones_own")
-    endpoint = serve("07_catch_up", "--interval", "0.001")[1]
-    subscriber = run(program, "tcp://127.0.0.1:5557", endpoint)
+def test_a_stream_of_ones_own(run):
+    client, server = programs("test_a_stream_of_ones_own")
+    endpoint = two_ports()
+    second = snapshots_beside(endpoint)
+    run(server.replace("tcp://127.0.0.1:5657", second).replace("poll(16)", "poll(1)"), "tcp://127.0.0.1:5557", endpoint)
+    subscriber = run(client, "tcp://127.0.0.1:5557", endpoint)
     assert subscriber.wait() == 0, subscriber.output
     assert re.match(r"missed \d+:", subscriber.lines[-1]) and len(subscriber.lines) >= 300
 
