@@ -19,7 +19,7 @@ from kitlib.docs import guide
 from netmq_example import LazyPirate, Publisher, TopicListener, errors
 from netmq_example.pose_stream import snapshots_beside
 from tests.conftest import PYTHON
-from tests.programs import ROOT, finished, free_port, steady_endpoint, two_ports
+from tests.programs import LIMIT, ROOT, finished, free_port, steady_endpoint, two_ports
 
 BLOCKS = [block for page in guide.pages() for block in guide.blocks(page)]
 # A program finds the package here, as if it was installed.
@@ -57,7 +57,7 @@ def test_a_server_of_ones_own(run, tmp_path):
     program = run(server, ":5551", ":0", before=LOGGED)
     endpoint = program.wait_for(r"^INFO:netmq_example.server:listening on (\S+)$")[1]
     with zmq.Context() as context, context.socket(zmq.REQ) as old, LazyPirate(endpoint) as pirate:
-        old.linger = 0
+        old.linger, old.rcvtimeo = 0, 1000 * LIMIT
         old.connect(endpoint)
         old.send_string("one frame")
         assert old.recv_string() == "ONE FRAME"
@@ -74,7 +74,7 @@ def test_a_lazy_pirate_and_a_journal_of_ones_own(run, serve):
     endpoint = steady_endpoint()
     server = run(journal, "tcp://127.0.0.1:5552", endpoint)
     with zmq.Context() as context, context.socket(zmq.REQ) as socket:
-        socket.linger = 0
+        socket.linger, socket.rcvtimeo = 0, 1000 * LIMIT
         socket.connect(endpoint)
 
         def ask(id):
