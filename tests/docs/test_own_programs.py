@@ -57,7 +57,7 @@ def test_a_server_of_ones_own(run, tmp_path):
     program = run(server, ":5551", ":0", before=LOGGED)
     endpoint = program.wait_for(r"^INFO:netmq_example.server:listening on (\S+)$")[1]
     with zmq.Context() as context, context.socket(zmq.REQ) as old, LazyPirate(endpoint) as pirate:
-        old.linger, old.rcvtimeo = 0, 1000 * LIMIT
+        old.linger, old.rcvtimeo = 0, int(1000 * LIMIT)
         old.connect(endpoint)
         old.send_string("one frame")
         assert old.recv_string() == "ONE FRAME"
@@ -74,7 +74,7 @@ def test_a_lazy_pirate_and_a_journal_of_ones_own(run, serve):
     endpoint = steady_endpoint()
     server = run(journal, "tcp://127.0.0.1:5552", endpoint)
     with zmq.Context() as context, context.socket(zmq.REQ) as socket:
-        socket.linger, socket.rcvtimeo = 0, 1000 * LIMIT
+        socket.linger, socket.rcvtimeo = 0, int(1000 * LIMIT)
         socket.connect(endpoint)
 
         def ask(id):
