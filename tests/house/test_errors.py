@@ -7,8 +7,8 @@ from tests.programs import ROOT
 
 # Those that end a program. A MessageError is a reply with a code, and a ValueError a mistake in the caller's code.
 PYTHON = {
-    *("KitError", "UsageError", "NoNetMQ", "Error", "Timeout", "Lost", "Closed", "ListenError", "SourceError", "WorkError", "OSError"),
-    *("argparse.ArgumentTypeError", "sys.exit"),
+    *("Error", "Timeout", "Lost", "Closed", "ListenError", "SourceError", "WorkError", "OSError"),
+    *("KitError", "UsageError", "NoNetMQ", "argparse.ArgumentTypeError", "sys.exit"),
 }
 CSHARP = "TimeoutException|UsageException|GaveUpException|InvalidOperationException"
 # "…; do this", "…: do this", a question that leads to the cause, a hole called cure, or the rule that was broken.
