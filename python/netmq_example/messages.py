@@ -18,7 +18,7 @@ import logging
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from netmq_example.errors import Coded, Refused
 from netmq_example.errors import MessageError as MessageError
@@ -255,3 +255,15 @@ def message_reply(
         log.error("a mistake in answer", exc_info=error)
         reply = Message.refusal(MessageError(mistake, repr(error)), request.id)
     return request, reply, reply.frames()
+
+
+# Hidden from a type checker, to which any name would exist.
+if not TYPE_CHECKING:
+
+    def __getattr__(name: str) -> Any:
+        former = {"read": Message.read, "read_reply": Message.read_reply, "reply_to": message_reply}
+        if name not in former:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        from netmq_example.former import renamed
+
+        return renamed(f"{__name__}.{name}", f"netmq_example.{former[name].__qualname__}", former[name])

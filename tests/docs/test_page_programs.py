@@ -360,13 +360,6 @@ def test_a_listener_of_yours_goes_on(console, start, serve, tmp_path):
     player.stop()
 
 
-def test_a_listener_in_python(serve):
-    (program,) = [block.body for block in BLOCKS if block.source.endswith("test_a_listener_in_python runs it")]
-    _, endpoint = serve("03_publish_subscribe")
-    done = finished([PYTHON, "-c", program.replace("tcp://127.0.0.1:5553", endpoint)], cwd=ROOT / "python")
-    assert done.stdout.startswith("pose/ "), done
-
-
 def test_a_picture_of_pythons_is_seen(pages, serve_own):
     """The page's `answer`, in a copy of the lesson's server, and its component: upright, with red above."""
     (mine,) = (block.body for block in BLOCKS if "runs it with the component below" in block.source)

@@ -43,9 +43,9 @@ def test_the_dotnet_program_builds_and_runs(tmp_path, netmq, console, serve):
 def test_the_python_program_runs(tmp_path, serve):
     pytest.importorskip("numpy", reason="lesson 05 needs numpy: kit.py run 5 installs it")
     # A busy machine may need longer for the first reply than the page's program waits.
-    patient = program("python").replace("poll(2500)", "poll(60_000)")
+    patient = program("python").replace("(endpoint)", "(endpoint, timeout=60)")
     (tmp_path / "my_program.py").write_text(patient, encoding="utf-8")
-    copy.write(tmp_path, copy.module("netmq_example.messages")[0], force=False)
+    copy.write(tmp_path, copy.module("netmq_example.message_requester")[0], force=False)
     _, endpoint = serve("05_messages")
     command = [PYTHON, tmp_path / "my_program.py", endpoint]
     done = finished(command)

@@ -7,16 +7,17 @@ from tests.programs import ROOT
 
 # Those that end a program. A MessageError is a reply with a code, and a ValueError a mistake in the caller's code.
 PYTHON = {
-    *("KitError", "UsageError", "NoNetMQ", "GaveUp", "SourceError", "WorkError", "TimeoutError", "OSError"),
-    *("argparse.ArgumentTypeError", "sys.exit"),
+    *("Error", "Timeout", "Lost", "Closed", "ListenError", "SourceError", "WorkError", "OSError"),
+    *("KitError", "UsageError", "NoNetMQ", "argparse.ArgumentTypeError", "sys.exit"),
 }
 CSHARP = "TimeoutException|UsageException|GaveUpException|InvalidOperationException"
 # "…; do this", "…: do this", a question that leads to the cause, a hole called cure, or the rule that was broken.
 CURE = r"; |: (?!\{)|\?|\{(with_)?cure|\{pip_install| takes | must |, not \{"
 # These hand on a text of another place that has its own cure, or another program's words.
 HANDED_ON = r"(gave up|no poses|failed|Ollama says): \{.*|scope, \{.*|\{[^}]*\}: \{.*"
-# After these a program goes on by itself.
+# After these a program goes on by itself, or it has closed the thing itself.
 GOES_ON = {"the client was disposed", "the environment is gone, or silent", "Python is gone", "no connection"}
+GOES_ON |= {"the client was closed", "the listener was stopped", "the game is gone", "there is no game, or it is gone"}
 
 
 def without_code(text):

@@ -5,12 +5,13 @@ import importlib
 import pickle
 import subprocess
 import sys
+from operator import attrgetter
 
 import pytest
 import zmq
 
 import netmq_example
-from netmq_example import errors
+from netmq_example import errors, messages
 from tests.programs import LIMIT, ROOT, steady_endpoint
 
 ALONE = """
@@ -132,6 +133,9 @@ def test_what_version_0_3_called_otherwise():
     with pytest.warns(DeprecationWarning, match=r"^netmq_example\.errors\.GaveUp is netmq_example\.Error now"):
         from netmq_example.errors import GaveUp
     assert GaveUp is errors.Error
+    for old, name in {"read": "Message.read", "read_reply": "Message.read_reply", "reply_to": "message_reply"}.items():
+        with pytest.warns(DeprecationWarning, match=rf"^netmq_example\.messages\.{old} is netmq_example\.{name} now"):
+            assert getattr(messages, old) is attrgetter(name)(netmq_example)
     with zmq.Context() as context, context.socket(zmq.SUB) as socket, pytest.warns(DeprecationWarning):
         assert former("TopicListener", socket, steady_endpoint(), "pose/").topic == "pose/"
     lines = []

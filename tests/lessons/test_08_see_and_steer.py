@@ -586,7 +586,7 @@ class ZMQCamera:
     def __init__(self, config):
         assert config.words == ("127.0.0.1", 5555, "center")
     def connect(self): pass
-    def Message.read(self): return __import__("numpy").zeros((240, 320, 3), "uint8")
+    def read(self): return __import__("numpy").zeros((240, 320, 3), "uint8")
 class LeRobotDataset:
     @classmethod
     def create(cls, repo_id, fps, features, root=None, robot_type=None, use_videos=True):
