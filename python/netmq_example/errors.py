@@ -14,7 +14,7 @@ All of them can be pickled. A program that ends by one prints its text, and its 
 import shlex
 import subprocess
 import sys
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 
 class Error(Exception):
@@ -91,9 +91,12 @@ def shell(*words: str) -> str:
     return subprocess.list2cmdline(words) if sys.platform == "win32" else shlex.join(words)
 
 
-def __getattr__(name: str) -> Any:
-    if name == "GaveUp":
-        from netmq_example.former import renamed
+# Hidden from a type checker, to which any name would exist.
+if not TYPE_CHECKING:
 
-        return renamed(f"{__name__}.GaveUp", "netmq_example.Error", Error)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    def __getattr__(name: str) -> Any:
+        if name == "GaveUp":
+            from netmq_example.former import renamed
+
+            return renamed(f"{__name__}.GaveUp", "netmq_example.Error", Error)
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

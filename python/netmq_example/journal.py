@@ -39,7 +39,7 @@ log = logging.getLogger("netmq_example.server")
 
 
 class Journal(OneProcess):
-    """The requests that were done, by their ids. Use it on one thread."""
+    """The requests that were done, by their ids. Use it on one thread at a time."""
 
     def __init__(self, path: str | os.PathLike[str], *, schema: str = "") -> None:
         """A file, made if there is none. `schema` is SQL for the tables of your own, which may be there already.
@@ -52,7 +52,7 @@ class Journal(OneProcess):
             # To SQLite these names mean a journal in memory, which forgets.
             if path in ("", ":memory:"):
                 raise sqlite3.Error("it needs the name of a file")
-            self.db = sqlite3.connect(path, timeout=LOCKED_SECONDS)
+            self.db = sqlite3.connect(path, timeout=LOCKED_SECONDS, check_same_thread=False)
             self.db.executescript(SCHEMA + check.instance("schema", schema, str))
             self.db.execute("SELECT number, id, reply FROM journal LIMIT 1")
         except sqlite3.Error as error:

@@ -87,7 +87,7 @@ class LazyPirate(OneProcess):
         request = [f"{self.number}-{self.name}".encode(), sendable(text)]
         attempt = 1
         while not self.stopped.is_set():
-            timeout = max(0.0, min(longer(self.timeout, attempt - 1), until() - time.monotonic()))
+            timeout = round(max(0.0, min(longer(self.timeout, attempt - 1), until() - time.monotonic())), 3)
             frames = self.exchange(request, timeout, until)
             if is_reply(frames, request):
                 log.debug("%s: %s", self.endpoint, frames)

@@ -25,6 +25,7 @@ import zmq
 from netmq_example import check
 from netmq_example.beacon import answering
 from netmq_example.errors import Closed, MessageError
+from netmq_example.journal import LONGEST_ID_BYTES, Journal
 from netmq_example.messages import LIMIT, Message, message_reply
 from netmq_example.one_process import OneProcess, one_at_a_time
 from netmq_example.program import (
@@ -36,6 +37,7 @@ from netmq_example.program import (
     few_answers_wait,
     limit,
     not_for_anyone,
+    text_of,
 )
 from netmq_example.replies import id_and_text, reply_to
 from netmq_example.worker_threads import WorkerThreads
@@ -66,12 +68,13 @@ class Server(OneProcess):
 
     def __init__(
         self,
-        answer: Callable[[Any], Any],
+        answer: Callable[..., Any],
         endpoint: str = "tcp://127.0.0.1:0",
         *,
         messages: bool = False,
         workers: int = 0,
         remember: int = 1000,
+        journal: Journal | None = None,
         keys: ServerKeys | None = None,
         open_to_anyone: bool = False,
         beacon: str | None = None,
@@ -81,13 +84,19 @@ class Server(OneProcess):
 
         `answer` takes a text and returns one, or with `messages` a Message and a Message. Without `workers` it runs on
         the server's thread, one request after the other; else on so many threads. A request that is sent again, with
-        the same id, is not done twice, as long as it is among the last to `remember`. Only programs of this machine may
-        ask, unless there are `keys`, or it is `open_to_anyone`; by its `beacon`'s name clients can look for it.
+        the same id, is not done twice, as long as it is among the last to `remember`. With a `journal`, which survives
+        a crash, `answer` takes its database as well, and whoever asks must send an id.
+
+        Only programs of this machine may ask, unless there are `keys`, or it is `open_to_anyone`; by its `beacon`'s
+        name clients can look for it.
         """
         self.answer = check.function("answer", answer)
         self.messages = messages
         self.remember = check.count("remember", remember, least=0)
         self.keys = keys
+        self.journal: Journal | None = check.instance("journal", journal, Journal, type(None))
+        if journal and (messages or workers):
+            raise ValueError("a journal takes neither messages nor workers: it does one text after the other")
         not_for_anyone(check.endpoint(endpoint, "tcp://127.0.0.1:5554", lowest_port=0), open_to_anyone or keys)
         self.workers: WorkerThreads[Any] | None = None
         # The answers of the last requests, and the way back to whoever asks for one that is at work.
@@ -153,6 +162,9 @@ class Server(OneProcess):
         else:
             way, id, text = id_and_text(frames)
             body = [text]
+            if self.journal:
+                self.write_down(self.journal, way, id, text)
+                return
             if id:
                 key = ("" if len(id) >= LEAST_UNIQUE else way[0], id, text)
         if key in self.known:
@@ -167,7 +179,16 @@ class Server(OneProcess):
         else:
             self.send(way, self.refusal("busy", "busy, try again later"))
 
-    def made(self, answer: Callable[[Any], Any], body: list[Any]) -> list[Any]:
+    def write_down(self, journal: Journal, way: list[Any], id: bytes, text: bytes) -> None:
+        """Do it once. While the journal cannot be used there is no answer: whoever asks tries again."""
+        with journal.watched():
+            if not 0 < len(id) <= LONGEST_ID_BYTES:
+                self.send(way, self.refusal("bad-id", f"expected [id][text], an id of 1 to {LONGEST_ID_BYTES} bytes"))
+                return
+            reply = journal.find(id) or journal.do(id, text_of(text), self.answer)
+            self.send(way, [reply.encode()])
+
+    def made(self, answer: Callable[..., Any], body: list[Any]) -> list[Any]:
         """The frames of the reply."""
         return message_reply(answer, body)[2] if self.messages else [reply_to(answer, body[0])]
 
@@ -217,13 +238,14 @@ class ServerOptions(TypedDict, total=False):
     messages: bool
     workers: int
     remember: int
+    journal: Journal | None
     keys: ServerKeys | None
     open_to_anyone: bool
     beacon: str | None
     context: Context | None
 
 
-def serve(answer: Callable[[Any], Any], endpoint: str, **options: Unpack[ServerOptions]) -> None:
+def serve(answer: Callable[..., Any], endpoint: str, **options: Unpack[ServerOptions]) -> None:
     """Answer over this endpoint until Ctrl-C, which ends it without a traceback. The options are those of Server."""
     server = Server(answer, endpoint, **options)
     with contextlib.suppress(KeyboardInterrupt), contextlib.closing(server):

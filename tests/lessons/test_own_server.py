@@ -19,6 +19,7 @@ from netmq_example import (
     Array,
     BackgroundClient,
     Closed,
+    Journal,
     LazyPirate,
     ManyRequester,
     Message,
@@ -165,6 +166,23 @@ def test_more_than_its_workers_can_do_is_refused_at_once(work, context):
             dealer.send_multipart([b"%d" % number, b"wait %d" % number])
         assert dealer.recv_multipart()[1] == b"error: busy, try again later"
         work.go.set()
+
+
+def test_a_journal_survives_its_server(tmp_path, context):
+    def answer(db, text):
+        db.execute("INSERT INTO visits VALUES (?)", (text,))
+        return str(db.execute("SELECT count(*) FROM visits").fetchone()[0])
+
+    for _ in range(2):
+        with (
+            Journal(tmp_path / "visits.sqlite3", schema="CREATE TABLE IF NOT EXISTS visits (who TEXT);") as journal,
+            Server(answer, journal=journal) as server,
+        ):
+            assert ask(context, server.endpoint, b"1", b"me") == [b"1", b"1"]
+            assert ask(context, server.endpoint, b"2", b"you", kind=zmq.DEALER) == [b"2", b"2"]
+            assert ask(context, server.endpoint, b"me")[0].startswith(b"error: expected [id][text]")
+    with pytest.raises(ValueError, match=r"^a journal takes neither messages nor workers"):
+        Server(answer, journal=journal, workers=1)
 
 
 def test_a_port_that_is_taken_is_one_error_with_its_cure(server):
