@@ -65,6 +65,9 @@ def read(path: Path) -> Source:
             case ast.If(test=ast.Name(id="TYPE_CHECKING")):
                 # The names that __getattr__ has, for a type checker.
                 function = "__getattr__"
+            case ast.Call(func=ast.Attribute(attr="getLogger")):
+                # A logger has a module's name, and needs none.
+                return
             case ast.Import():
                 source.imports += [(function, each.name) for each in node.names]
             case ast.ImportFrom(module=str(module)):

@@ -14,6 +14,7 @@ All of them can be pickled. A program that ends by one prints its text, and its 
 import shlex
 import subprocess
 import sys
+import warnings
 from typing import TYPE_CHECKING, Any
 
 
@@ -96,7 +97,6 @@ if not TYPE_CHECKING:
 
     def __getattr__(name: str) -> Any:
         if name == "GaveUp":
-            from netmq_example.former import renamed
-
-            return renamed(f"{__name__}.GaveUp", "netmq_example.Error", Error)
+            warnings.warn("GaveUp is netmq_example.Error now, and ends", DeprecationWarning, stacklevel=2)
+            return Error
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -3,7 +3,7 @@
 from netmq_example.errors import pip_install
 
 # The name on PyPI, where it is another one than that of the module.
-ON_PYPI = {"PIL": "pillow", "socketio": "python-socketio"}
+ON_PYPI = {"zmq": "pyzmq", "PIL": "pillow", "socketio": "python-socketio"}
 
 
 def without(error: ImportError) -> ImportError:
