@@ -5,10 +5,12 @@
 //     server.Dispose();      in OnDisable
 //
 // Bytes: UTF-8 text, [text] or [id][text], at most 65,536 bytes each; the reply goes back with the same id. Behind a
-// ROUTER that is [client][text] or [client][id][text], with REQ's empty frame after the client where it has sent one.
+// ROUTER that is [client][text] or [client][id][text], with REQ's empty frame after the client where it has sent one. Of
+// a message of more frames the text is that of all, with a blank between.
 // An answered request that comes again with its id is answered from memory: the work is not done twice.
 using System;
 using System.Collections.Generic;
+using System.Linq;
 using System.Text;
 using System.Text.RegularExpressions;
 using System.Threading;
@@ -152,11 +154,12 @@ namespace NetMQExample
             // The way back ends with REQ's empty frame, or with the client's name.
             var body = Math.Max(1, frames.FindIndex(0, frames.Count - 1, frame => frame.Length == 0) + 1);
             var reply = frames.GetRange(0, body);
-            var texts = frames.Count - body;
-            if (texts == 2) reply.Add(frames[body]);
-            reply.Add(texts == 1 ? Answer(frames[body])
-                : texts == 2 ? AnswerOnce(frames[0], frames[body], frames[body + 1])
-                : Encoding.UTF8.GetBytes("error: expected one frame, [text], or two, [id][text]"));
+            if (frames.Count == body + 2 && frames[body].Length > 0)
+            {
+                reply.Add(frames[body]);
+                reply.Add(AnswerOnce(frames[0], frames[body], frames[body + 1]));
+            }
+            else reply.Add(Answer(frames.Skip(body)));
             if (disposed) return true;
             // This never waits: ROUTER drops the reply to a client that has gone, or does not read.
             if (socket.TrySendMultipartBytes(TimeSpan.Zero, reply)) NetMQConnection.Show(Endpoint, true, reply);
@@ -165,11 +168,10 @@ namespace NetMQExample
 
         private byte[] AnswerOnce(byte[] client, byte[] id, byte[] text)
         {
-            if (id.Length == 0) return Answer(text);
             var key = (id.Length < UniqueIdBytes ? Bytes.GetString(client) : "", Bytes.GetString(id));
             var again = remembered.TryGetValue(key, out var known);
             if (again && known.text.AsSpan().SequenceEqual(text)) return known.reply;
-            var reply = Answer(text);
+            var reply = Answer(new[] { text });
             if (!again) oldest.Enqueue(key);
             remembered[key] = (text, reply);
             if (oldest.Count > MostRemembered) remembered.Remove(oldest.Dequeue());
@@ -177,11 +179,12 @@ namespace NetMQExample
         }
 
         // A mistake in `answer` is reported to both sides, and ends neither.
-        private byte[] Answer(byte[] request)
+        private byte[] Answer(IEnumerable<byte[]> request)
         {
             try
             {
-                return Encoding.UTF8.GetBytes(Require.Text("answer's reply", answer(NetMQConnection.Text(request))));
+                var text = string.Join(" ", request.Select(NetMQConnection.Text));
+                return Encoding.UTF8.GetBytes(Require.Text("answer's reply", answer(text)));
             }
             catch (Exception e)
             {
