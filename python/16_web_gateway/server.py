@@ -70,10 +70,7 @@ def main() -> None:
     for name, endpoint in (SERVERS | PUBLISHERS).items():
         parser.add_argument(f"--{name}", type=client_endpoint(endpoint), default=endpoint, help=f"default: {endpoint}")
     options = parser.parse_args()
-    try:
-        run_until_killed(serve(options))
-    except ValueError as error:
-        parser.error(str(error))
+    run_until_killed(serve(options))
 
 
 if __name__ == "__main__":

@@ -36,7 +36,12 @@ def run_until_killed(serve: Coroutine[Any, Any, None]) -> None:
         logging.getLogger(name).addFilter(is_our_own)
     # ZeroMQ's sockets are no files of Windows' own event loop.
     with asyncio.Runner(loop_factory=asyncio.SelectorEventLoop) as runner:
-        runner.run(serve)
+        try:
+            runner.run(serve)
+        except ValueError as error:
+            # An endpoint whose host is none.
+            print(error, file=sys.stderr)
+            sys.exit(2)
 
 
 def is_our_own(record: logging.LogRecord) -> bool:

@@ -102,7 +102,7 @@ def test_an_extra_is_what_the_modules_of_its_name_import():
         ("environment", "gymnasium", "gymnasium"),
         ("sb3", "stable_baselines3", "stable_baselines3"),
         ("camera.recording", "numpy", "numpy"),
-        ("video.view_sender", "numpy", "numpy"),
+        ("video.films", "numpy", "numpy"),
         ("video.film_writer", "PIL", "pillow"),
         ("web.door", "aiohttp", "aiohttp"),
         ("web.socketio_requester", "socketio", "python-socketio"),

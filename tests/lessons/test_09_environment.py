@@ -256,16 +256,18 @@ class Bare(gymnasium.Env):  # type: ignore[name-defined]
         return self.world.observe(), *self.world.judge().values(), {}
 
 
-def trained(capfd, seed, generations):
+def trained(caplog, seed, generations):
     """The lines of a training, without how fast it was."""
     env, steps = gymnasium.wrappers.TimeLimit(Bare(), cross_entropy.STEPS), []
+    caplog.set_level("INFO", "netmq_example")
+    caplog.clear()
 
     def play(policy, seed):
         steps.append(cross_entropy.play(env, policy, seed))
         return steps[-1]
 
     means = cross_entropy.train(lambda episodes: [play(*each) for each in episodes], seed, generations)
-    lines = timeless(capfd.readouterr().out.splitlines())
+    lines = timeless(caplog.messages)
     assert lines[-2] == (f"generation {len(means)}: mean {means[-1]:.1f} of 200, {sum(steps):,} steps")
     return lines
 
@@ -275,21 +277,21 @@ def timeless(lines):
 
 
 @pytest.mark.parametrize("seed", [0, 2, 4])
-def test_training_reaches_its_goal(seed, capfd):
-    lines = trained(capfd, seed, 50)
+def test_training_reaches_its_goal(seed, caplog):
+    lines = trained(caplog, seed, 50)
     assert float(re.search(r"mean (\S+) of 200", lines[-2])[1]) >= 195
 
 
-def test_the_trainer_learns_the_same_from_the_same_seed(start, launch, capfd, tmp_path):
+def test_the_trainer_learns_the_same_from_the_same_seed(start, launch, caplog, tmp_path):
     """Wherever the world is; and where there is matplotlib it draws what it has learned when."""
     curve = tmp_path / "curve.svg"
     plot = ["--plot", curve] if importlib.util.find_spec("matplotlib") else []
     trainer = start(PYTHON, LESSON / "train.py", "--seed", "16", *plot, "--launch", *launch("python"))
     # 2,447 steps, from one process to another.
     assert trainer.wait(500) == 0, trainer.output
-    lines = trained(capfd, 16, 50)
+    lines = trained(caplog, 16, 50)
     assert timeless(trainer.lines) == lines and len(lines) == 3
-    assert trained(capfd, 17, 1)[0] != lines[0]
+    assert trained(caplog, 17, 1)[0] != lines[0]
     if plot:
         drawn = re.findall(r"<text [^>]*>(.*?)</text>", curve.read_text(encoding="utf-8"))
         labels = {"generation", "steps until the pole falls", "mean of a generation", "good enough"}

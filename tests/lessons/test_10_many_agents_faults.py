@@ -18,8 +18,8 @@ from gymnasium.spaces import Box  # noqa: E402
 
 from netmq_example import records, trees  # noqa: E402
 from netmq_example.envs import ZmqParallelEnv, ZmqVectorEnv  # noqa: E402
-from netmq_example.envs.connection import Lost  # noqa: E402
 from netmq_example.envs.parallel_env import LONGEST_INFO, told_in  # noqa: E402
+from netmq_example.errors import Lost  # noqa: E402
 from netmq_example.messages import EXACT, Message, MessageError  # noqa: E402
 from netmq_example.records import ANSWERS, ASKS, RESET, STEP, Record, rewards  # noqa: E402
 from netmq_example.simulation.agents import AgentSimulator  # noqa: E402

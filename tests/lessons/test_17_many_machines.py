@@ -171,7 +171,7 @@ def test_a_client_does_as_it_is_told_and_says_hello_again_to_a_silent_hub(kind, 
         assert client.lines[-1] == "crash after 2 steps, as told"
 
 
-def test_a_trainer_waits_for_as_many_simulators_as_it_has_areas(serve, simulators, capfd):
+def test_a_trainer_waits_for_as_many_simulators_as_it_has_areas(serve, simulators, caplog):
     _, endpoint = serve(KEY, *STAY)
     simulators(endpoint, "python")
     why = "the hub has 1 simulators of 'CartPole', of which 0 are taken: 2 are needed"
@@ -180,7 +180,7 @@ def test_a_trainer_waits_for_as_many_simulators_as_it_has_areas(serve, simulator
         pytest.raises(TimeoutError, match=f"^no simulator came to {endpoint} within 3 s; {why}$"),
     ):
         gymnasium.make_vec(ID, 2, socket=socket, wait=3)
-    assert why in capfd.readouterr().out.splitlines()
+    assert why in caplog.messages
 
 
 def test_a_trainer_says_in_one_line_what_is_wrong(context):

@@ -1,9 +1,18 @@
 """A package that is missing is named with its cure."""
 
+import importlib
+
 import pytest
 
-from netmq_example.extras import needed
+from netmq_example.extras import without
 from netmq_example.program import importing
+
+
+def needed(module):
+    try:
+        importlib.import_module(module)
+    except ImportError as error:
+        raise without(error) from None
 
 
 def test_a_package_that_is_there_and_broken_is_not_to_be_installed(tmp_path, monkeypatch):

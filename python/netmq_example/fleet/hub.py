@@ -22,7 +22,7 @@ from typing import Any
 import zmq
 
 from netmq_example import check, records
-from netmq_example.fleet.members import Member, Refused, accept, fits, offer, size_of
+from netmq_example.fleet.members import Member, NotTaken, accept, fits, offer, size_of
 from netmq_example.fleet.trainers import Trainer
 from netmq_example.messages import Message, MessageError, take
 from netmq_example.program import Socket
@@ -98,7 +98,7 @@ class Hub:
             elif message.kind not in ("closed", "error"):
                 raise MessageError("unknown-peer", "say hello or join, and wait for the answer", message.id)
         except MessageError as error:
-            if isinstance(error, Refused):
+            if isinstance(error, NotTaken):
                 self.report(f"refused: {error}")
             self.send(peer, Message.refusal(error))
         self.lease()
@@ -120,7 +120,7 @@ class Hub:
         accept(hello, self.build, self.hellos.get(name))
         others = (size_of(other) for each, other in self.hellos.items() if each != name)
         if sum(others) + size_of(hello) > MOST_HELLO_BYTES:
-            raise Refused("too-many-worlds", "the hellos that are here fill the hub's room for them; try again later")
+            raise NotTaken("too-many-worlds", "the hellos that are here fill the hub's room for them; try again later")
         self.hellos[name] = hello
         self.count["came"] += 1
         self.members[peer] = Member(self.count["came"], name, partial(self.send, peer))

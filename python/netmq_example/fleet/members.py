@@ -1,6 +1,6 @@
 """Simulators as the hub sees them: which it takes, and the episodes that they play.
 
-    accept(hello, build="1", hello_here=None)              Refused if this simulator is not like the others
+    accept(hello, build="1", hello_here=None)              NotTaken if this simulator is not like the others
     member = Member(1, "CartPole", send)                   send(message) is False if the simulator is gone
     episode = Episode(reset, ready)                        a Record of one row
     member.lease(episode)                                  it gets the reset, and all later requests in turn
@@ -151,7 +151,7 @@ class Member:
             self.go_on()
 
 
-class Refused(MessageError):
+class NotTaken(MessageError):
     """A simulator that the hub does not take; the hub reports it as well."""
 
 
@@ -170,22 +170,22 @@ def offer(hello: Message, areas: int) -> Message:
 
 
 def accept(hello: Message, build: str, hello_here: Message | None) -> None:
-    """Refused unless it is of this build, and like those of its name that are here."""
+    """NotTaken unless it is of this build, and like those of its name that are here."""
     # A hello that no trainer could get fails now.
     offer(hello, MOST_AREAS).frames()
     if size_of(hello) > LARGEST_HELLO_BYTES:
-        raise Refused("too-big", f"a hello of {size_of(hello)} bytes; the hub takes {LARGEST_HELLO_BYTES}")
+        raise NotTaken("too-big", f"a hello of {size_of(hello)} bytes; the hub takes {LARGEST_HELLO_BYTES}")
     if not hello.arrays:
-        raise Refused("no-spaces", "a hello has the arrays of its spaces")
+        raise NotTaken("no-spaces", "a hello has the arrays of its spaces")
     if "areas" in hello.values:
-        raise Refused("areas-here", "a simulator of the hub is one world, and not many areas")
+        raise NotTaken("areas-here", "a simulator of the hub is one world, and not many areas")
     name = hello.values["name"]
     other = hello.values.get("build", "1")
     if other != build:
         text = f"{name!a:.40} of build {other!a:.20}, this hub takes {build!a:.20}"
-        raise Refused("other-build", f"{text}: use one build everywhere")
+        raise NotTaken("other-build", f"{text}: use one build everywhere")
     if hello_here and form(hello_here) != form(hello):
-        raise Refused("other-spaces", f"{name!a:.40} has another dt here, or other spaces")
+        raise NotTaken("other-spaces", f"{name!a:.40} has another dt here, or other spaces")
 
 
 def form(hello: Message) -> Any:

@@ -12,7 +12,6 @@ zmq.auth.thread; on Windows it needs tornado, and it does not say which key was 
 """
 
 import logging
-import sys
 import threading
 import time
 from pathlib import Path
@@ -21,6 +20,7 @@ import zmq
 from zmq.utils import z85
 
 from netmq_example import check
+from netmq_example.errors import ListenError
 from netmq_example.program import Context, Socket
 from netmq_example.security.keys import checked_path, example, key_in, listed, load
 from netmq_example.trouble import Trouble
@@ -181,11 +181,11 @@ def stamp_of(path: Path) -> Stamp | None:
 
 
 def keys_for(folder: Path | str, make: bool = False) -> AllowList:
-    """For a program: its allow-list. The program ends where it can have none; with `make` it makes its first keys."""
+    """A server's allow-list. ListenError: it can have none. With `make` it makes its first keys."""
     try:
         if make and not Path(folder).exists():
             example(Path(folder))
             log.info("keys: made %s, with this server's and one client's, alice", Path(folder).absolute())
         return AllowList(folder)
     except (ValueError, OSError) as error:
-        sys.exit(str(error))
+        raise ListenError(0, str(error)) from None

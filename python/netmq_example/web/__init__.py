@@ -2,7 +2,8 @@
 
 from typing import TYPE_CHECKING
 
-from netmq_example.doors import door
+# A module of this package is called door.
+from netmq_example.doors import door as _door
 
 if TYPE_CHECKING:
     from netmq_example.web.browser_socket import Listener, Requester, for_browsers
@@ -22,4 +23,4 @@ if not TYPE_CHECKING:
         "WebSocketRequester": "netmq_example.web.requester",
         "for_browsers": "netmq_example.web.browser_socket",
     }
-    __getattr__, __dir__ = door(__name__, ROOMS)
+    __getattr__, __dir__ = _door(__name__, ROOMS)

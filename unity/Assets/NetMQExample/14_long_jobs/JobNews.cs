@@ -1,6 +1,6 @@
 // Lesson 14, what a message about a job says: read and put into words on the network thread, ready to be shown.
 //
-// In Python it is jobs/progress.py; jobs/client.py reads it.
+// In Python it is 14_long_jobs/progress.py; netmq_example/jobs/client.py reads it.
 using System;
 using System.Collections.Generic;
 using System.Linq;
