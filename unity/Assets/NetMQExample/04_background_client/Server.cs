@@ -5,8 +5,8 @@
 //     server.Dispose();      in OnDisable
 //
 // Bytes: UTF-8 text, [text] or [id][text], at most 65,536 bytes each; the reply goes back with the same id. Behind a
-// ROUTER that is [client][text] or [client][id][text], with REQ's empty frame after the client where it has sent one. Of
-// a message of more frames the text is that of all, with a blank between.
+// ROUTER that is [client][text] or [client][id][text], with REQ's empty frame after the client where it has sent one.
+// Of a message of more frames the text is that of all, with a blank between.
 // An answered request that comes again with its id is answered from memory: the work is not done twice.
 using System;
 using System.Collections.Generic;

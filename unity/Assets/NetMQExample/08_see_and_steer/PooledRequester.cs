@@ -15,8 +15,9 @@ using NetMQ.Sockets;
 namespace NetMQExample
 {
     /// <summary>
-    /// A request's arrays are lent, not copied: leave them alone until <c>Request</c> returns. A reply's arrays are
-    /// only valid until the next request. It helps most after <see cref="PooledBuffers.Use"/>.
+    /// For one thread, as a MessageRequester is. A request's arrays are lent, not copied: leave them alone until
+    /// <c>Request</c> returns. A reply's arrays are only valid until the next request. It helps most after
+    /// <see cref="PooledBuffers.Use"/>.
     /// </summary>
     public sealed class PooledRequester : MessageRequester
     {

@@ -15,7 +15,8 @@ using Newtonsoft.Json.Linq;
 namespace NetMQExample
 {
     /// <summary>One request at a time, each with a limit. A try that fails is followed by one on a new connection, and
-    /// the request is sent again; whether it was done already only an id can tell, as in lesson 02.</summary>
+    /// the request is sent again; whether it was done already only an id can tell, as in lesson 02. Use it on
+    /// one thread, in Unity the main thread: it never waits.</summary>
     public abstract class WebRequester : IDisposable
     {
         private static readonly TimeSpan Pause = TimeSpan.FromSeconds(0.1);
