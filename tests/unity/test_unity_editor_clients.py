@@ -73,7 +73,7 @@ SEEN = {
     "2": ("02_lazy_pirate", r"> 1-\w+ \| add 1", r"< 1-\w+ \| 1"),
     "3": ("03_publish_subscribe", None, r"< pose/.*"),
     "5": ("05_messages", r'> {"kind":"\w+".*', r'< {"kind":"\w+".*'),
-    "6": ("06_many_in_flight", r"> 1 \| .*", r"< \d+ \| .*"),
+    "6": ("06_many_in_flight", r"> 1-\w+ \| .*", r"< \d+-\w+ \| .*"),
     "8": ("08_see_and_steer", r'> {"kind":"frame".* \| \(\d+ bytes\)', r'< {"kind":"action".*'),
     "14": ("14_long_jobs", r'> {"kind":"goal".*', r'< {"kind":"accepted".*'),
 }
