@@ -103,8 +103,10 @@ class LazyPirate(OneProcess):
                 # To look up a name takes its time, which is none of whoever waits for less.
                 if self.search.name or until() - began >= LOOK_UP_SECONDS:
                     cure = self.search.cure(cure)
+                whole = until() - began
+                within = f" within {whole:.3g} s" if 0 < whole < math.inf else ""
                 raise Timeout(
-                    f"{tried(attempt)} to ask {self.endpoint}, the last: {trouble}; "
+                    f"{tried(attempt)}{within} to ask {self.endpoint}, the last: {trouble}; "
                     f"{cure} '{text}' may have been done or not"
                 )
             attempt += 1
