@@ -36,6 +36,8 @@ from netmq_example.program import Context
 
 Callback = Callable[[str], object]
 MOST_CONNECTIONS = 256
+# In less time nothing is asked.
+LEAST_SECONDS = 0.001
 
 log = logging.getLogger("netmq_example.client")
 
@@ -66,13 +68,15 @@ class Asked:
     future: "Future[str]" = field(default_factory=Future)
     # Whether a reply that begins with `error:` is an error.
     refusable: bool = True
+    retried: bool = False
 
 
 Waiting = queue.SimpleQueue[Asked | None]
 
 
 class BackgroundClient(OneProcess):
-    """Asks a server on threads of its own.
+    """Asks a server on threads of its own. `status` has the state and the last error, and compares with C#'s words:
+    `client.status.state == "Connected"`.
 
     request(), submit() and ask() may be called on any thread. The callbacks of request() run in poll(), which one
     thread calls, and in close().
@@ -99,8 +103,6 @@ class BackgroundClient(OneProcess):
         client = weakref.ref(self)
         words = {"timeout": timeout, "tries": tries, "keys": keys, "context": context}
         self.pirates = [LazyPirate(endpoint, **words) for _ in range(self.window)]  # type: ignore[arg-type]
-        for pirate in self.pirates:
-            pirate.report = functools.partial(tell, client, ClientState.RETRYING)
         self.endpoint = endpoint
         # In one variable: a reader never gets state and error of two moments.
         self.status: Status = Status(ClientState.CONNECTING, "")
@@ -217,7 +219,8 @@ def talk(pirate: LazyPirate, waiting: Waiting, client: Client) -> None:
 
 def ask(pirate: LazyPirate, asked: Asked, client: Client) -> None:
     try:
-        if asked.until <= time.monotonic() and not pirate.stopped.is_set():
+        pirate.report = functools.partial(retry, asked, client)
+        if asked.until - time.monotonic() < LEAST_SECONDS and not pirate.stopped.is_set():
             raise Timeout(f"not sent to {pirate.endpoint} in time: the requests before it took too long")
         reply = pirate.request_until(asked.text, lambda: asked.until)
     # Whatever it is, this thread goes on, and the caller gets to know.
@@ -227,11 +230,21 @@ def ask(pirate: LazyPirate, asked: Asked, client: Client) -> None:
             tell(client, ClientState.LOST, str(failure))
         asked.future.set_exception(failure)
     else:
+        if asked.refusable and asked.retried:
+            log.info("%s answers again", pirate.endpoint)
         tell(client, ClientState.CONNECTED)
         if asked.refusable and reply.startswith("error:"):
             asked.future.set_exception(Refused("error", reply.removeprefix("error:").strip()))
         else:
             asked.future.set_result(reply)
+
+
+def retry(asked: Asked, client: Client, line: str) -> None:
+    """A game sees it in the status; of a future nobody would."""
+    asked.retried = True
+    tell(client, ClientState.RETRYING, line)
+    if asked.refusable:
+        log.warning(line)
 
 
 def following(waiting: Waiting, client: Client) -> Asked | None:

@@ -87,14 +87,14 @@ class LazyPirate(OneProcess):
         request = [f"{self.number}-{self.name}".encode(), sendable(text)]
         attempt = 1
         while not self.stopped.is_set():
-            timeout = round(max(0.0, min(longer(self.timeout, attempt - 1), until() - time.monotonic())), 3)
+            timeout = max(0.0, min(longer(self.timeout, attempt - 1), until() - time.monotonic()))
             frames = self.exchange(request, timeout, until)
             if is_reply(frames, request):
                 log.debug("%s: %s", self.endpoint, frames)
                 return text_of(frames[1])
             if self.stopped.is_set():
                 break
-            trouble = f"{'nobody answers to this name' if self.search.vain else 'no reply'} within {timeout:g} s"
+            trouble = f"{'nobody answers to this name' if self.search.vain else 'no reply'} within {timeout:.3g} s"
             if frames:
                 seen = printable(" ".join(map(text_of, frames)))
                 trouble = f"dropped a reply to another request ({seen})"

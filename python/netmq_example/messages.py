@@ -247,6 +247,8 @@ def message_reply(
     try:
         request = Message.read(frames)
         reply = answer(request)
+        if not isinstance(reply, Message):
+            raise MessageError(mistake, f"answer returned {reply!r:.40}: return a Message")
         # A message that cannot be written is found out here, before a part of it is on its way.
         return request, reply, reply.frames()
     except Coded as error:

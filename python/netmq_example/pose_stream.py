@@ -118,7 +118,9 @@ def parse(message: str) -> Pose | None:
 class PoseSubscriber(OneProcess):
     """Knows of each pose it missed. `pose` and `checksum` are what the publisher's were once it had sent that pose.
 
-    `missed` counts them, and `gaps` has the newest 1000 gaps. Use it on one thread.
+    `missed` counts them, also the pose of a snapshot, whose message did not come; `received` counts messages. `gaps`
+    has the newest 1000 gaps, and its popleft() takes the oldest. What was before it joined is no gap. Use it on one
+    thread; after a Timeout it may be called again.
     One rule: a pose that is not the next one calls for a snapshot. It cures joining late, loss and a restart alike.
     """
 
@@ -185,7 +187,13 @@ class PoseSubscriber(OneProcess):
     def catch_up(self, timeout: float, silent: bool) -> bool:
         """Take over the publisher's state from a snapshot, and report which poses that skips."""
         old = self.pose
-        self.checksum, self.pose = self.ask(timeout)
+        try:
+            self.checksum, self.pose = self.ask(timeout)
+        except Timeout as error:
+            if silent:
+                raise
+            hint = f"poses do come from {self.endpoint}: snapshots are 100 ports higher, unless you give their endpoint"
+            raise Timeout(f"{error} {hint}") from None
         run, number = self.pose.run, self.pose.number
         if not old.run:
             self.report(f"joined run {run} at {number}, checksum {self.checksum}")

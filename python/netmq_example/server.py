@@ -25,7 +25,7 @@ import zmq
 from netmq_example import check
 from netmq_example.beacon import answering
 from netmq_example.errors import Closed, MessageError
-from netmq_example.journal import LONGEST_ID_BYTES, Journal
+from netmq_example.journal import LONGEST_ID_BYTES, Connection, Journal
 from netmq_example.messages import LIMIT, Message, message_reply
 from netmq_example.one_process import OneProcess, one_at_a_time
 from netmq_example.program import (
@@ -50,6 +50,7 @@ LEAST_UNIQUE = 16
 CLOSE_SECONDS = 5.0
 
 log = logging.getLogger("netmq_example.server")
+Answer = Callable[[str], str] | Callable[[Message], Message] | Callable[[Connection, str], str]
 
 
 class ServerKeys(Protocol):
@@ -68,7 +69,7 @@ class Server(OneProcess):
 
     def __init__(
         self,
-        answer: Callable[..., Any],
+        answer: Answer,
         endpoint: str = "tcp://127.0.0.1:0",
         *,
         messages: bool = False,
@@ -90,7 +91,7 @@ class Server(OneProcess):
         Only programs of this machine may ask, unless there are `keys`, or it is `open_to_anyone`; by its `beacon`'s
         name clients can look for it.
         """
-        self.answer = check.function("answer", answer)
+        self.answer: Any = check.function("answer", answer)
         self.messages = messages
         self.remember = check.count("remember", remember, least=0)
         self.keys = keys
@@ -119,7 +120,7 @@ class Server(OneProcess):
             # A byte through this pair wakes the thread with the ZeroMQ socket, on every system.
             self.wake_reader, self.wake_writer = map(stack.enter_context, sockets.socketpair())
             if workers:
-                self.workers = WorkerThreads(workers, answer, self.made)
+                self.workers = WorkerThreads(workers, self.answer, self.made)
                 stack.callback(self.workers.close)
             self.stack = stack.pop_all()
         log.info("listening on %s", self.endpoint)
@@ -188,7 +189,7 @@ class Server(OneProcess):
             reply = journal.find(id) or journal.do(id, text_of(text), self.answer)
             self.send(way, [reply.encode()])
 
-    def made(self, answer: Callable[..., Any], body: list[Any]) -> list[Any]:
+    def made(self, answer: Any, body: list[Any]) -> list[Any]:
         """The frames of the reply."""
         return message_reply(answer, body)[2] if self.messages else [reply_to(answer, body[0])]
 
@@ -245,7 +246,7 @@ class ServerOptions(TypedDict, total=False):
     context: Context | None
 
 
-def serve(answer: Callable[..., Any], endpoint: str, **options: Unpack[ServerOptions]) -> None:
+def serve(answer: Answer, endpoint: str, **options: Unpack[ServerOptions]) -> None:
     """Answer over this endpoint until Ctrl-C, which ends it without a traceback. The options are those of Server."""
     server = Server(answer, endpoint, **options)
     with contextlib.suppress(KeyboardInterrupt), contextlib.closing(server):

@@ -350,7 +350,10 @@ def test_what_the_futures_raise():
 
 
 def test_all_tries_together_take_no_longer_than_within():
-    with LazyPirate(steady_endpoint(), timeout=0.2, tries=100) as pirate, pytest.raises(Timeout, match=r"^2 tries within 0\.3 s to "):
+    with (
+        LazyPirate(steady_endpoint(), timeout=0.2, tries=100) as pirate,
+        pytest.raises(Timeout, match=r"^2 tries within 0\.3 s to "),
+    ):
         pirate.request("x", within=0.3)
 
 
