@@ -16,6 +16,7 @@ import functools
 import itertools
 import logging
 import math
+import os
 import queue
 import threading
 import time
@@ -106,7 +107,8 @@ class BackgroundClient(OneProcess):
         self.endpoint = endpoint
         # In one variable: a reader never gets state and error of two moments.
         self.status: Status = Status(ClientState.CONNECTING, "")
-        self.gate = threading.Lock()
+        # A signal's handler may call close() while this thread has it.
+        self.gate = threading.RLock()
         # The callbacks of each request by its number: the threads have none of them.
         self.calls: dict[int, tuple[Callback, Callback]] = {}
         self.numbers = itertools.count()
@@ -162,9 +164,11 @@ class BackgroundClient(OneProcess):
         sendable(text)
         asked = Asked(text, time.monotonic() + (math.inf if within is None else check.seconds("within", within)))
         with self.gate:
+            if self.end.alive:
+                self.waiting.put(asked)
+            # Asked again: a signal's handler may have closed it meanwhile.
             if not self.end.alive:
                 raise Closed("this client is closed: make a new one")
-            self.waiting.put(asked)
         return asked
 
     @property
@@ -177,16 +181,18 @@ class BackgroundClient(OneProcess):
         self.polled = True
         # Only what is there now: callbacks that ask again must not make one frame last for ever.
         for _ in range(self.done.qsize()):
-            with self.gate:
+            try:
+                number, which, text = self.done.get_nowait()
+            except queue.Empty:
                 # A callback that closed this client, or another thread, has run those after it already.
-                if self.done.empty():
-                    break
-                number, which, text = self.done.get()
-                call = self.calls.pop(number)
-            call[which](text)
+                break
+            self.calls.pop(number)[which](text)
 
     def close(self) -> None:
         """End the threads. Whatever has no reply yet ends by Closed, and its callback runs before this returns."""
+        # After a fork the threads are the parent's.
+        if os.getpid() != self.process_id:
+            return
         # A request on another thread is behind it, and refused, or before it, and ended.
         with self.gate:
             self.end()
@@ -196,12 +202,10 @@ class BackgroundClient(OneProcess):
             if thread is not threading.current_thread():
                 thread.join(max(0.0, end_by - time.monotonic()))
         self.status = Status(ClientState.DISPOSED, self.status.error)
-        try:
-            self.poll()
-        finally:
-            # A callback raised: the others run all the same.
-            if self.done.qsize():
-                self.close()
+        with contextlib.ExitStack() as stack:
+            # So often: where a callback raises, the others run all the same.
+            for _ in range(self.done.qsize()):
+                stack.callback(self.poll)
 
 
 Client = weakref.ref[BackgroundClient]
@@ -214,7 +218,11 @@ def talk(pirate: LazyPirate, waiting: Waiting, client: Client) -> None:
         while asked := following(waiting, client):
             # One that was taken back meanwhile is not sent.
             if asked.future.set_running_or_notify_cancel():
-                ask(pirate, asked, client)
+                try:
+                    ask(pirate, asked, client)
+                except BaseException as error:
+                    # SystemExit, say, in a callback of the future's: it would end this thread, and nobody would hear.
+                    log.error("a mistake in a future's callback", exc_info=error)
 
 
 def ask(pirate: LazyPirate, asked: Asked, client: Client) -> None:

@@ -18,6 +18,7 @@ from netmq_example import check
 from netmq_example.errors import Error
 from netmq_example.one_process import OneProcess
 from netmq_example.replies import sendable, told
+from netmq_example.trouble import ends_program
 
 # FULL: a commit is on the disk when it returns. NORMAL would survive kill -9 too, but not a power cut.
 SCHEMA = """
@@ -97,7 +98,9 @@ class Journal(OneProcess):
                     return reply
                 self.db.execute("INSERT INTO journal (id, reply) VALUES (?, ?)", (request_id, reply))
                 self.db.execute("DELETE FROM journal WHERE number <= last_insert_rowid() - ?", (KEPT_ENTRIES,))
-        except Exception as error:
+        except BaseException as error:
+            if ends_program(error):
+                raise
             # Python's own errors about a statement have no code. With a reply the work is done: it is the journal's.
             code = getattr(error, "sqlite_errorcode", sqlite3.SQLITE_ERROR)
             if isinstance(error, sqlite3.Error) and (reply or code & 0xFF not in MISTAKES):

@@ -13,7 +13,7 @@ import zmq
 
 from netmq_example import check
 from netmq_example.beacon import BeaconSearch
-from netmq_example.errors import Timeout, longer, tried
+from netmq_example.errors import Closed, Timeout, longer, tried
 from netmq_example.lazy_pirate import PAUSE_SECONDS, Keys
 from netmq_example.messages import LIMIT, Message
 from netmq_example.one_process import OneProcess, one_at_a_time
@@ -45,13 +45,16 @@ class MessageRequester(OneProcess):
         self.keys = keys
         self.context: Context = check.context(context)
         self.socket: Socket | None = None
+        self.closed = False
 
     @one_at_a_time
     def request(self, request: Message) -> Message:
         """The reply. Refused: the server says why there is none. MessageError: request or reply is no message.
 
-        Timeout: no try was answered, but it may be done.
+        Timeout: no try was answered, but it may be done. Closed: it was closed before.
         """
+        if self.closed:
+            raise Closed("this requester is closed: make a new one")
         check.not_closed("context", self.context)
         frames = check.instance("request", request, Message).frames()
         for attempt in range(1, self.tries + 1):
@@ -104,5 +107,6 @@ class MessageRequester(OneProcess):
 
     def close(self) -> None:
         """Close the socket. Twice is once."""
+        self.closed = True
         self.close_socket()
         self.search.close()

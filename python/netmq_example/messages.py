@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any
 from netmq_example.errors import Coded, Refused
 from netmq_example.errors import MessageError as MessageError
 from netmq_example.json_text import shallow
+from netmq_example.trouble import ends_program, shown
 
 VERSION = 1
 # In bytes: the header, and all arrays together.
@@ -85,8 +86,9 @@ class Array:
 
         One with gaps, such as a picture turned over, is copied; of any other the memory itself is sent.
         """
-        dtype = getattr(numbers, "dtype", None)
-        if dtype is None or not hasattr(numbers, "tobytes"):
+        dtype: Any = getattr(numbers, "dtype", None)
+        # Those of torch and jax have a dtype, too.
+        if not hasattr(dtype, "isnative") or not hasattr(numbers, "flags"):
             raise MessageError("wrong-type", f"of takes a numpy array, not {numbers!a:.40}: numpy.asarray makes one")
         if dtype.name not in DTYPES or not dtype.isnative:
             cure = f"write array.astype('{dtype.name if dtype.name in DTYPES else 'float32'}')"
@@ -139,8 +141,9 @@ class Message:
     def refusal(error: Coded, id: int = 0) -> "Message":
         """The reply that says what is wrong, to the request of this id."""
         # The reply can be written, whatever is in it.
-        text = str(error.text)[:LONGEST_TEXT].encode(errors="replace").decode()
-        return Message("error", error.id or id, {"code": str(error.code)[:40], "text": text})
+        code, text = (str(each).encode(errors="replace").decode() for each in (error.code, error.text))
+        own = type(error.id) is int and 0 < error.id < EXACT
+        return Message("error", error.id if own else id, {"code": code[:40], "text": text[:LONGEST_TEXT]})
 
     def check(self) -> None:
         """MessageError if a reader would refuse it."""
@@ -253,9 +256,11 @@ def message_reply(
         return request, reply, reply.frames()
     except Coded as error:
         reply = Message.refusal(error, request.id)
-    except Exception as error:
+    except BaseException as error:
+        if ends_program(error):
+            raise
         log.error("a mistake in answer", exc_info=error)
-        reply = Message.refusal(MessageError(mistake, repr(error)), request.id)
+        reply = Message.refusal(MessageError(mistake, shown(error)), request.id)
     return request, reply, reply.frames()
 
 

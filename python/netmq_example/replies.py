@@ -17,7 +17,7 @@ from typing import Any
 from netmq_example.console import printable
 from netmq_example.json_text import shallow
 from netmq_example.program import encoded, text_of
-from netmq_example.trouble import Trouble
+from netmq_example.trouble import Trouble, ends_program, shown
 
 log = logging.getLogger("netmq_example.server")
 
@@ -26,7 +26,9 @@ def reply_to(answer: Callable[[str], str], request: bytes) -> bytes:
     """The reply that `answer` gives to a request. A mistake in it is reported to both sides, and ends neither."""
     try:
         return sendable(answer(text_of(request)))
-    except Exception as error:
+    except BaseException as error:
+        if ends_program(error):
+            raise
         return encoded(told(error))
 
 
@@ -57,7 +59,7 @@ def sendable(text: str) -> bytes:
 again: dict[tuple[object, ...], Trouble] = {}
 
 
-def told(error: Exception) -> str:
+def told(error: BaseException) -> str:
     """The reply to a request that an exception has ended, which is also logged.
 
     With its traceback the first time; then it is a line a second at most, since a client may go on asking.
@@ -67,7 +69,7 @@ def told(error: Exception) -> str:
     mistake = (type(error), *places[:4], places[-1])
     first = mistake not in again
     report = again.setdefault(mistake, Trouble(log.error))
-    text = str(error) if isinstance(error, Misfit) else repr(error)
+    text = str(error) if isinstance(error, Misfit) else shown(error)
     if first and not isinstance(error, Misfit):
         log.error("a mistake in answer", exc_info=error)
     else:

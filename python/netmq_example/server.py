@@ -14,6 +14,7 @@ logged, and its client gets it as an error.
 
 import contextlib
 import logging
+import os
 import socket as sockets
 import threading
 from collections import OrderedDict
@@ -23,8 +24,9 @@ from typing import Any, Protocol, Self, TypedDict, Unpack
 import zmq
 
 from netmq_example import check
-from netmq_example.beacon import answering
+from netmq_example.beacon import answering, beacon_name
 from netmq_example.errors import Closed, MessageError
+from netmq_example.finalizers import undisturbed
 from netmq_example.journal import LONGEST_ID_BYTES, Connection, Journal
 from netmq_example.messages import LIMIT, Message, message_reply
 from netmq_example.one_process import OneProcess, one_at_a_time
@@ -98,6 +100,7 @@ class Server(OneProcess):
         self.journal: Journal | None = check.instance("journal", journal, Journal, type(None))
         if journal and (messages or workers):
             raise ValueError("a journal takes neither messages nor workers: it does one text after the other")
+        beacon = beacon and beacon_name("beacon", beacon)
         not_for_anyone(check.endpoint(endpoint, "tcp://127.0.0.1:5554", lowest_port=0), open_to_anyone or keys)
         self.workers: WorkerThreads[Any] | None = None
         # The answers of the last requests, and the way back to whoever asks for one that is at work.
@@ -105,7 +108,10 @@ class Server(OneProcess):
         self.begun: dict[Any, list[Any]] = {}
         self.stopped = threading.Event()
         self.thread: threading.Thread | None = None
+        self.runner: threading.Thread | None = None
         with contextlib.ExitStack() as stack:
+            # Whatever ends it.
+            stack.callback(self.stopped.set)
             # The end of a context of its own waits until the port is free; and libzmq asks one authenticator in each.
             context = stack.enter_context(zmq.Context()) if context is None else check.context(context)
             self.socket: Socket = stack.enter_context(context.socket(zmq.ROUTER))
@@ -127,12 +133,23 @@ class Server(OneProcess):
 
     def run(self) -> None:
         """Answer until close(), or until Ctrl-C, which it passes on. Closed: it was closed before."""
+        self.check_open()
+        try:
+            self.serve()
+        except RuntimeError:
+            # close() on another thread may have come first.
+            self.check_open()
+            raise
+
+    def check_open(self) -> None:
         if self.stopped.is_set():
             raise Closed("this server is closed: make a new one")
-        self.serve()
 
     @one_at_a_time
     def serve(self) -> None:
+        self.runner = threading.current_thread()
+        if self.stopped.is_set():
+            return
         poller = zmq.Poller()
         for each in filter(None, (self.socket, self.wake_reader, self.workers)):
             poller.register(each, zmq.POLLIN)
@@ -149,9 +166,7 @@ class Server(OneProcess):
                             break
 
     def take(self, frames: list[Any]) -> None:
-        if self.keys and not self.keys.name_of(frames[-1]):
-            self.send(frames[:-1], self.refusal("refused", "your key is not on the list, or not any more"))
-            return
+        welcome = not self.keys or self.keys.name_of(frames[-1])
         if not self.messages and self.keys:
             frames = [frame.bytes for frame in frames]
         # An object of its own, which no other request has.
@@ -159,16 +174,17 @@ class Server(OneProcess):
         if self.messages:
             # An array may be empty as well: REQ's empty frame is the second one.
             start = 2 if len(frames) > 2 and not len(frames[1]) else 1
-            way, body = frames[:start], frames[start:]
+            way, id, body = frames[:start], b"", frames[start:]
         else:
             way, id, text = id_and_text(frames)
             body = [text]
-            if self.journal:
-                self.write_down(self.journal, way, id, text)
-                return
             if id:
-                key = ("" if len(id) >= LEAST_UNIQUE else way[0], id, text)
-        if key in self.known:
+                key = (() if len(id) >= LEAST_UNIQUE else tuple(way), id, text)
+        if not welcome:
+            self.send(way, self.refusal("refused", "your key is not on the list, or not any more"))
+        elif self.journal:
+            self.write_down(self.journal, way, id, body[0])
+        elif key in self.known:
             self.send(way, self.known[key])
         elif not self.workers:
             self.done(key, way, self.made(self.answer, body))
@@ -206,12 +222,15 @@ class Server(OneProcess):
         self.send(way, reply)
 
     def send(self, way: list[Any], reply: list[Any]) -> None:
-        log.debug("%s: %s", self.endpoint, reply)
+        # Of a message its header: the arrays may be large.
+        log.debug("%s: %s", self.endpoint, reply[:1])
         # It never waits: ROUTER drops the reply to a client that has gone, or does not read.
-        self.socket.send_multipart([*way, *reply], zmq.NOBLOCK, copy=not self.messages)
+        # The next answer may use the memory of an array again, and so that is copied.
+        self.socket.send_multipart([*way, *reply], zmq.NOBLOCK)
 
     def __enter__(self) -> Self:
         self.check_process()
+        self.check_open()
         if self.thread:
             raise RuntimeError("this server has a thread already: make a second server")
         self.thread = threading.Thread(target=self.serve, name=f"netmq_example {self!r}", daemon=True)
@@ -220,17 +239,23 @@ class Server(OneProcess):
 
     def close(self) -> None:
         """End it, and give the port back. Twice is once."""
+        # After a fork the thread, and what wakes it, are the parent's.
+        if os.getpid() != self.process_id:
+            return
         self.stopped.set()
         with contextlib.suppress(OSError):
             self.wake_writer.send(b"!")
-        if self.thread and self.thread is not threading.current_thread():
+        # In its answer, or in a signal's handler: it ends after that.
+        if self.runner is threading.current_thread():
+            return
+        if self.thread:
             self.thread.join(CLOSE_SECONDS)
-            if self.thread.is_alive():
-                log.warning("%s is closed when its answer under way is made", self.endpoint)
-        elif self.at_work.acquire(blocking=False):
-            # Nobody runs it, who would close it at the end.
+        if self.at_work.acquire(timeout=0 if self.thread else CLOSE_SECONDS):
+            # Nobody runs it, who would have closed it at the end.
             self.stack.close()
             self.at_work.release()
+        else:
+            log.warning("%s is closed when its answer under way is made", self.endpoint)
 
 
 class ServerOptions(TypedDict, total=False):
@@ -248,6 +273,8 @@ class ServerOptions(TypedDict, total=False):
 
 def serve(answer: Answer, endpoint: str, **options: Unpack[ServerOptions]) -> None:
     """Answer over this endpoint until Ctrl-C, which ends it without a traceback. The options are those of Server."""
-    server = Server(answer, endpoint, **options)
-    with contextlib.suppress(KeyboardInterrupt), contextlib.closing(server):
+    made: list[Server] = []
+    # A Ctrl-C while it is made would leave a socket that nobody closes, and the end of its context waits for that one.
+    undisturbed(lambda: made.append(Server(answer, endpoint, **options)))
+    with contextlib.suppress(KeyboardInterrupt), contextlib.closing(made[0]) as server:
         server.run()

@@ -6,12 +6,28 @@
 The servers of lessons 09 to 11 report by it, and so do lesson 13's managers and carriers. In C# it is Trouble.cs.
 """
 
+import threading
 import time
 from collections.abc import Callable
 
 from netmq_example import check
 
 PAUSE_SECONDS = 1.0
+
+
+def ends_program(error: BaseException) -> bool:
+    """Whether it is none of a peer's business: SystemExit or Ctrl-C on the main thread. Another thread would end alone,
+    and nobody would hear of it.
+    """
+    return not isinstance(error, Exception) and threading.current_thread() is threading.main_thread()
+
+
+def shown(error: BaseException) -> str:
+    """Its repr, if it has one."""
+    try:
+        return repr(error)
+    except Exception:
+        return type(error).__name__
 
 
 class Trouble:

@@ -29,7 +29,7 @@ class WorkerThreads(Generic[Key]):
     """So many threads, each of which answers one request at a time."""
 
     def __init__(
-        self, number: int, answer: Callable[[Any], Any], reply: Callable[[Callable[[Any], Any], Any], Any] = reply_to
+        self, number: int, answer: Callable[..., Any], reply: Callable[[Callable[..., Any], Any], Any] = reply_to
     ) -> None:
         """`answer` makes the reply; an exception in it becomes the reply `error: …`, and its traceback is logged.
 

@@ -3,6 +3,9 @@
 import asyncio
 import importlib
 import logging
+import os
+import re
+import select
 import signal
 import subprocess
 import sys
@@ -129,6 +132,43 @@ def test_a_mistake_in_answer_goes_to_the_client_and_to_the_log(server, work, cap
     assert record.exc_info[0] is work.mistake
 
 
+class Unprintable(Exception):
+    def __repr__(self):
+        raise ValueError
+
+
+MISTAKES = {
+    "SystemExit": lambda: SystemExit(3),
+    "KeyboardInterrupt": KeyboardInterrupt,
+    "Unprintable": Unprintable,
+    "an id that is none": lambda: MessageError("wrong", "why", "7"),
+    "half a character": lambda: MessageError("\ud800", "why \ud800"),
+}
+
+
+@pytest.mark.parametrize("kind", ["text", "workers", "messages", "messages with workers", "journal"])
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_no_mistake_in_answer_ends_a_thread(mistake, kind, tmp_path):
+    def answer(*words):
+        if getattr(words[-1], "kind", words[-1]) == "bad":
+            raise MISTAKES[mistake]()
+        return words[-1]
+
+    messages, workers = "messages" in kind, int("workers" in kind)
+    ask, form = (MessageRequester, Message) if messages else (LazyPirate, str)
+    with (
+        Journal(tmp_path / "journal.sqlite3") as journal,
+        Server(answer, messages=messages, workers=workers, journal=journal if kind == "journal" else None) as server,
+        ask(server.endpoint, timeout=PATIENT) as client,
+    ):
+        if messages:
+            with pytest.raises(Refused):
+                client.request(form("bad"))
+        else:
+            assert client.request("bad").startswith("error: ")
+        assert client.request(form("good")) == form("good")
+
+
 def test_a_request_that_comes_again_is_not_done_again(server, work, context):
     id, dealer = b"1" * 16, context.socket(zmq.DEALER)
     with closing(dealer), context.socket(zmq.DEALER) as other:
@@ -156,6 +196,16 @@ def test_a_request_may_have_an_id_or_an_empty_frame_or_none(server, context):
     assert ask(context, server.endpoint, b"a", b"b", b"c") == [b"A B C"]
     assert ask(context, server.endpoint, b"1", b"a", kind=zmq.DEALER) == [b"1", b"A"]
     assert ask(context, server.endpoint, b"a", kind=zmq.DEALER) == [b"A"]
+
+
+def test_behind_a_broker_each_client_has_its_own_short_ids(work, context):
+    with Server(work) as server, context.socket(zmq.DEALER) as broker:
+        broker.linger = 0
+        broker.connect(server.endpoint)
+        for client in (b"a", b"b", b"a"):
+            broker.send_multipart([client, b"", b"1", b"add 1"])
+            assert broker.recv_multipart() == [client, b"", b"1", b"ADD 1"]
+    assert work.done == ["add 1", "add 1"]
 
 
 def test_more_than_its_workers_can_do_is_refused_at_once(work, context):
@@ -205,6 +255,11 @@ def test_its_port_is_free_as_soon_as_it_is_closed():
         pass
 
 
+def test_a_beacon_that_nobody_could_ask_for_is_refused():
+    with pytest.raises(ValueError, match=r"^beacon takes 1 to 32 letters"):
+        Server(str.upper, "tcp://0.0.0.0:0", open_to_anyone=True, beacon="my lab")
+
+
 def test_only_this_machine_may_ask_unless_it_is_said():
     for make_one in (Server, lambda _, endpoint, **words: Publisher(endpoint, **words)):
         with pytest.raises(ValueError, match=r"^'tcp://0\.0\.0\.0:0' would let anyone in"):
@@ -229,6 +284,48 @@ def test_close_on_another_thread_and_in_answer_ends_run():
     assert not thread.is_alive()
 
 
+def test_close_returns_when_the_port_is_free():
+    for number in range(20):
+        server = Server(str.upper)
+        thread = threading.Thread(target=server.run)
+        thread.start()
+        if number % 2:
+            with LazyPirate(server.endpoint, timeout=PATIENT) as pirate:
+                pirate.request("hi")
+        server.close()
+        Server(str.upper, server.endpoint).close()
+        thread.join(LIMIT)
+        with pytest.raises(Closed), server:
+            pass
+
+
+def test_what_ctrl_c_ended_is_closed():
+    def answer(text):
+        raise KeyboardInterrupt
+
+    server = Server(answer)
+    with BackgroundClient(server.endpoint) as client:
+        client.submit("hi")
+        with pytest.raises(KeyboardInterrupt):
+            server.run()
+    with pytest.raises(Closed):
+        server.run()
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
+def test_a_child_that_closes_what_its_parent_has_costs_the_parent_nothing(work):
+    with Server(work) as server, BackgroundClient(server.endpoint, timeout=PATIENT) as client:
+        assert client.submit("a").result(LIMIT) == "A"
+        child = os.fork()
+        if not child:
+            client.close()
+            server.close()
+            os._exit(0)
+        assert os.waitpid(child, 0)[1] == 0
+        assert client.submit("b").result(LIMIT) == "B"
+        assert not select.select([server.wake_reader], [], [], 0)[0]
+
+
 SERVE = """
 from netmq_example import serve
 import logging
@@ -248,6 +345,26 @@ def test_ctrl_c_ends_serve_and_the_program_goes_on():
             assert pirate.request("hi") == "HI"
         run.send_signal(signal.SIGINT)
         assert run.communicate(timeout=LIMIT) == ("and on\n", "")
+
+
+WHILE_IT_IS_MADE = """
+import signal, zmq
+from netmq_example import serve
+original = zmq.Context.socket
+def socket(*words):
+    made = original(*words)
+    signal.raise_signal(signal.SIGINT)
+    return made
+zmq.Context.socket = socket
+serve(str.upper, "tcp://127.0.0.1:0")
+print("and on")
+"""
+
+
+def test_ctrl_c_while_serve_begins_ends_it_too():
+    words = [sys.executable, "-c", WHILE_IT_IS_MADE]
+    done = subprocess.run(words, cwd=ROOT / "python", capture_output=True, text=True, timeout=LIMIT, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "and on\n", "")
 
 
 LEFT = """
@@ -281,6 +398,44 @@ def test_its_keys_let_in_only_those_on_the_list(tmp_path):
             assert [each.reply for each in requester.request_many(["hi"])] == ["HI"]
         with LazyPirate(server.endpoint, timeout=0.2, tries=1) as stranger, pytest.raises(Timeout):
             stranger.request("hi")
+
+
+@pytest.mark.parametrize("kind", ["text", "messages", "journal"])
+def test_a_revoked_key_is_refused_from_then_on(kind, tmp_path):
+    keys = tmp_path / "keys"
+    make(keys, "server")
+    own = ClientKeys(keys)
+    (keys / "allowed").mkdir(exist_ok=True)
+    alice = (keys / "client.key").replace(keys / "allowed" / "alice.key")
+    asked = []
+
+    def answer(*words):
+        asked.append(words[-1])
+        return words[-1]
+
+    messages = kind == "messages"
+    request = Message("look", 1, {}, [Array("uint8", (3,), b"abc")]) if messages else "hi"
+    with (
+        Journal(tmp_path / "journal.sqlite3") as journal,
+        Server(
+            answer, messages=messages, keys=AllowList(keys), journal=journal if kind == "journal" else None
+        ) as server,
+        (MessageRequester if messages else LazyPirate)(server.endpoint, timeout=PATIENT, keys=own) as requester,
+    ):
+        assert requester.request(request)
+        alice.unlink()
+        if messages:
+            with pytest.raises(Refused, match=r"^refused: your key is not on the list"):
+                requester.request(request)
+        else:
+            assert requester.request(request).startswith("error: your key is not on the list")
+    assert len(asked) == 1
+    with (
+        zmq.Context() as context,
+        Server(str.upper, keys=AllowList(keys), context=context),
+        pytest.raises(ValueError, match=r"^this context has an allow-list"),
+    ):
+        Server(str.upper, keys=AllowList(keys), context=context)
 
 
 # Clients for threads
@@ -366,6 +521,41 @@ def test_a_future_that_closes_its_client_ends_it(server):
     assert closed.wait(LIMIT)
 
 
+class Mistake(BaseException):
+    pass
+
+
+def test_mistakes_in_callbacks_end_no_thread_and_no_close(server):
+    def mistake(_):
+        raise Mistake
+
+    client = BackgroundClient(server.endpoint, timeout=PATIENT, capacity=2000)
+    client.submit("a").add_done_callback(mistake)
+    assert client.submit("b").result(LIMIT) == "B"
+    ran = []
+    for _ in range(1500):
+        assert client.request("c", lambda text: ran.append(text) or mistake(text), mistake)
+    client.submit("last").result(LIMIT)
+    with pytest.raises(Mistake):
+        client.close()
+    assert (len(ran), client.under_way) == (1500, 0)
+
+
+def test_a_signals_handler_may_close_it(server):
+    before = signal.signal(signal.SIGINT, lambda *_: client.close())
+    try:
+        for number in range(20):
+            client = BackgroundClient(server.endpoint, timeout=PATIENT)
+            threading.Timer(0.001 + number / 5000, signal.raise_signal, [signal.SIGINT]).start()
+            futures = []
+            with pytest.raises(Closed):
+                while True:
+                    futures.append(client.submit("x"))
+            assert {type(each.exception(LIMIT)) for each in futures} <= {type(None), Closed}
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
 # and for asyncio
 
 
@@ -435,6 +625,8 @@ def test_a_message_is_answered_or_refused_by_code_and_text(workers):
         with pytest.raises(MessageError, match=r"^bad-value"):
             requester.request(Message("look", -1))
         assert requester.request(Message("look", 2, {}, [Array.of(picture[::-1, 1])])).values == {"mean": 3.0}
+    with pytest.raises(Closed):
+        requester.request(Message("look", 3))
 
 
 def test_a_message_that_nobody_answers_is_asked_again(caplog):
@@ -454,8 +646,43 @@ def test_an_array_of_numpy_is_taken_as_it_is_or_refused():
     for wrong, cure in {"int8": "float32", "bool": "float32", "complex64": "float32", ">f4": "float32"}.items():
         with pytest.raises(MessageError, match=rf"^bad-dtype: .*; write array\.astype\('{cure}'\)$"):
             Array.of(np.zeros(3, wrong))
-    with pytest.raises(MessageError, match=r"^wrong-type: of takes a numpy array, not \[1, 2\]"):
-        Array.of([1, 2])
+    # Those of torch and jax have a dtype, too.
+    torch = type("Tensor", (), {"dtype": "torch.float32", "tobytes": bytes, "flags": None, "__repr__": lambda _: "t"})
+    jax = type("Array", (), {"dtype": np.dtype("float32"), "tobytes": bytes, "__repr__": lambda _: "t"})
+    for wrong in ([1, 2], torch(), jax()):
+        with pytest.raises(
+            MessageError, match=rf"^wrong-type: of takes a numpy array, not {re.escape(repr(wrong))}: nu"
+        ):
+            Array.of(wrong)
+
+
+def test_an_array_that_the_server_uses_again_goes_out_as_it_was(context):
+    np = pytest.importorskip("numpy")
+    buffer = np.zeros(4_000_000, "uint8")
+
+    def answer(request):
+        buffer[:] += 1
+        return Message("ok", request.id, {}, [Array.of(buffer)])
+
+    with Server(answer, messages=True) as server, context.socket(zmq.DEALER) as dealer:
+        dealer.linger = 0
+        dealer.connect(server.endpoint)
+        for number in range(8):
+            dealer.send_multipart(Message("next", number).frames())
+        for number in range(8):
+            (array,) = Message.read_reply(dealer.recv_multipart()).arrays
+            assert np.unique(array.numpy()).tolist() == [number + 1]
+
+
+def test_what_is_logged_of_a_large_reply_is_its_header(caplog):
+    caplog.set_level(logging.DEBUG)
+    array = Array("uint8", (100_000,), bytes(100_000))
+    with (
+        Server(lambda request: Message("ok", 1, {}, [array]), messages=True) as server,
+        MessageRequester(server.endpoint, timeout=PATIENT) as requester,
+    ):
+        requester.request(Message("look", 1))
+    assert 0 < max(len(record.getMessage()) for record in caplog.records) < 1000
 
 
 # A publisher of one's own

@@ -70,7 +70,11 @@ class AllowList:
         # Of the same context, which through this name does not know it: a socket is closed on its own thread.
         zap: Socket = zmq.Context.shadow(context.underlying).socket(zmq.REP)
         zap.linger = 0
-        zap.bind("inproc://zeromq.zap.01")
+        try:
+            zap.bind("inproc://zeromq.zap.01")
+        except zmq.ZMQError:
+            zap.close()
+            raise ValueError("this context has an allow-list, or had one: make a new context for this one") from None
         threading.Thread(target=self._answer, args=(zap,), daemon=True, name="netmq_example keys").start()
 
     def name_of(self, frame: zmq.Frame) -> str:
