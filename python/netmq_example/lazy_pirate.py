@@ -104,7 +104,7 @@ class LazyPirate(OneProcess):
                 if self.search.name or until() - began >= LOOK_UP_SECONDS:
                     cure = self.search.cure(cure)
                 whole = until() - began
-                within = f" within {whole:.3g} s" if 0 < whole < math.inf else ""
+                within = f" within {round(whole, 2):g} s" if 0 < whole < math.inf else ""
                 raise Timeout(
                     f"{tried(attempt)}{within} to ask {self.endpoint}, the last: {trouble}; "
                     f"{cure} '{text}' may have been done or not"
