@@ -73,6 +73,8 @@ def written(form_and: Callable[[list[Any]], Any]) -> bytes:
     parts: list[Any] = []
     try:
         form = shallow(ENCODER.encode(form_and(parts))).encode()
+    except MessageError:
+        raise
     except (ValueError, RecursionError) as error:
         raise MessageError("bad-tree", f"it is no text, or has no end: {error!s:.80}") from None
     return b"".join([SIZE.pack(len(form)), form, *parts])

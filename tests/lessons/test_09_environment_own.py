@@ -224,7 +224,6 @@ WRONG = [
     (Simulator, "simulation", (0, None, "", CartPole), {}),
     (EnvironmentClient, "endpoint", (0, None, NAN, "", "tcp://a:0"), {"timeout": 1}),
     (EnvironmentClient, "timeout", NO_SECONDS, {"endpoint": NOWHERE}),
-    (EnvironmentClient, "report", (None, ""), {"endpoint": NOWHERE, "timeout": 1}),
     (EnvironmentClient, "prepare", (0, ""), {"endpoint": NOWHERE, "timeout": 1}),
     (EnvironmentClient(NOWHERE, timeout=1).run, "simulator", (None, CartPole()), {}),
     (EnvironmentClient(NOWHERE, timeout=1).run, "count", NO_COUNT, {"simulator": Simulator(CartPole())}),

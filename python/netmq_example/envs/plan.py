@@ -73,6 +73,8 @@ class Sight:
             return self.plans[form]
         try:
             plan = planned(self.name, self.space, form)
+        except MessageError:
+            raise
         except ValueError as error:
             raise trees.bad(error) from None
         if len(self.plans) >= trees.MOST_KEPT:
