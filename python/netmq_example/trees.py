@@ -116,6 +116,9 @@ def parted(data: Any) -> tuple[bytes, memoryview]:
 
 
 def bad(why: object) -> MessageError:
+    # It is a ValueError as well, and says already what is wrong.
+    if isinstance(why, MessageError):
+        return why
     return MessageError("bad-tree", f"this is no value: {why!s:.80}")
 
 

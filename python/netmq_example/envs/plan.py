@@ -73,8 +73,6 @@ class Sight:
             return self.plans[form]
         try:
             plan = planned(self.name, self.space, form)
-        except MessageError:
-            raise
         except ValueError as error:
             raise trees.bad(error) from None
         if len(self.plans) >= trees.MOST_KEPT:
@@ -99,6 +97,8 @@ class Sight:
                 merge(observations, Locator(text, mappings), value, appended)
         except LocatorError as error:
             raise MessageError("bad-observation", str(error)) from None
+        except MessageError:
+            raise
         except REASONS as error:
             raise MessageError("bad-observation", f"it is cut short: {error!s:.80}") from None
         if at != len(numbers):
