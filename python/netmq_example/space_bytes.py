@@ -48,6 +48,8 @@ class Bytes:
         view = memoryview(row)
         try:
             value, end = self.codec.read(view, 0)
+        except MessageError:
+            raise
         except REASONS as error:
             raise MessageError("not-in-space", f"{len(view)} bytes are not in {self.space}: {error!s:.80}") from None
         if end != len(view):

@@ -73,6 +73,8 @@ def written(form_and: Callable[[list[Any]], Any]) -> bytes:
     parts: list[Any] = []
     try:
         form = shallow(ENCODER.encode(form_and(parts))).encode()
+    except MessageError:
+        raise
     except (ValueError, RecursionError) as error:
         raise MessageError("bad-tree", f"it is no text, or has no end: {error!s:.80}") from None
     return b"".join([SIZE.pack(len(form)), form, *parts])
@@ -114,6 +116,9 @@ def parted(data: Any) -> tuple[bytes, memoryview]:
 
 
 def bad(why: object) -> MessageError:
+    # It is a ValueError as well, and says already what is wrong.
+    if isinstance(why, MessageError):
+        return why
     return MessageError("bad-tree", f"this is no value: {why!s:.80}")
 
 

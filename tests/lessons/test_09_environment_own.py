@@ -224,7 +224,6 @@ WRONG = [
     (Simulator, "simulation", (0, None, "", CartPole), {}),
     (EnvironmentClient, "endpoint", (0, None, NAN, "", "tcp://a:0"), {"timeout": 1}),
     (EnvironmentClient, "timeout", NO_SECONDS, {"endpoint": NOWHERE}),
-    (EnvironmentClient, "report", (None, ""), {"endpoint": NOWHERE, "timeout": 1}),
     (EnvironmentClient, "prepare", (0, ""), {"endpoint": NOWHERE, "timeout": 1}),
     (EnvironmentClient(NOWHERE, timeout=1).run, "simulator", (None, CartPole()), {}),
     (EnvironmentClient(NOWHERE, timeout=1).run, "count", NO_COUNT, {"simulator": Simulator(CartPole())}),
@@ -309,7 +308,7 @@ def test_a_time_that_is_none_is_named():
         Simulator(Mine()).hello()
 
 
-def test_a_mistake_in_a_simulation_is_told_in_one_line_and_it_goes_on(capfd):
+def test_a_mistake_in_a_simulation_is_told_in_one_line_and_it_goes_on(caplog):
     class Mine(CartPole):
         reward = 1.0
 
@@ -328,7 +327,7 @@ def test_a_mistake_in_a_simulation_is_told_in_one_line_and_it_goes_on(capfd):
     assert answers[0].values == {"code": "bad-reward", "text": "the reward of CartPole is nan"}
     assert answers[1].values["code"] == "error-in-simulation"
     assert re.fullmatch(r"ZeroDivisionError\('.*'\)", answers[1].values["text"])
-    said = capfd.readouterr().err
+    said = caplog.text
     assert "return 1 / int(action)" in said and said.count("Traceback") == 1, "its author sees where it is"
     assert simulator.steps == 2
 

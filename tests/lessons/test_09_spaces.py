@@ -39,6 +39,7 @@ from gymnasium.wrappers import TimeLimit  # noqa: E402
 
 from netmq_example import trees  # noqa: E402
 from netmq_example.envs import ZmqEnv, ZmqVectorEnv  # noqa: E402
+from netmq_example.errors import Refused  # noqa: E402
 from netmq_example.messages import Message, MessageError  # noqa: E402
 from netmq_example.records import ASKS, RESET, STEP, Record, read, seeds  # noqa: E402
 from netmq_example.simulation.areas import AreaSimulator  # noqa: E402
@@ -361,7 +362,7 @@ def test_a_picture_of_other_numbers_is_refused(pixel):
     world = Echo("pair", PAIR)
     world.render = lambda: [[[pixel, 0, 0]]]
     frames = Simulator(world).answer(Message("render", 1))
-    with pytest.raises(MessageError, match=r"^bad-picture: a picture is uint8 \[height, width, 3\]: "):
+    with pytest.raises(Refused, match=r"^bad-picture: a picture is uint8 \[height, width, 3\]: "):
         Message.read_reply(frames)
 
 

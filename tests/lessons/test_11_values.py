@@ -362,12 +362,12 @@ def asks(order, row=b"", options=b"", count=1):
         (Message("jump", 1), "unknown-kind"),
     ],
 )
-def test_a_request_that_is_none_is_a_line(request_, code, capfd):
+def test_a_request_that_is_none_is_a_line(request_, code, caplog):
     simulator = seeing(1)
     simulator.hello()
     answer = Message.read(simulator.answer(request_))
     assert (answer.kind, answer.values["code"]) == ("error", code), answer.values
-    assert capfd.readouterr().err == ""
+    assert caplog.text == ""
 
 
 @pytest.mark.parametrize("row", [b"", tree('"int64"', b"1")])

@@ -63,6 +63,8 @@ def merge(observations: dict[str, Any], locator: Locator, value: Any, appended: 
                 place = f"{quoted(agent)}@{spelled(mapping.destination)}"
                 new[agent] = placed(new[agent], mapping.destination, part, place not in known)
                 known.add(place)
+        except MessageError:
+            raise
         except REASONS as error:
             why = f"there is no {error}" if isinstance(error, KeyError) else str(error)
             raise LocatorError(f"{str(mapping)[:100]}: {' '.join(why.split())[:200]}") from None

@@ -97,6 +97,8 @@ class Sight:
                 merge(observations, Locator(text, mappings), value, appended)
         except LocatorError as error:
             raise MessageError("bad-observation", str(error)) from None
+        except MessageError:
+            raise
         except REASONS as error:
             raise MessageError("bad-observation", f"it is cut short: {error!s:.80}") from None
         if at != len(numbers):

@@ -142,6 +142,8 @@ class Simulator(SimulatorBase):
             if items.size not in (0, self.simulation.size):
                 raise MessageError("bad-state", f"a state is {self.simulation.size} numbers, not {items.size}")
             state: list[float] = items.astype(np.float64).ravel().tolist()
+        except MessageError:
+            raise
         except (ValueError, TypeError) as error:
             raise MessageError("bad-state", f"a state is numbers: {error!s:.80}") from None
         return state
