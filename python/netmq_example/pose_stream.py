@@ -192,8 +192,8 @@ class PoseSubscriber(OneProcess):
         except Timeout as error:
             if silent:
                 raise
-            hint = f"poses do come from {self.endpoint}: snapshots are 100 ports higher, unless you give their endpoint"
-            raise Timeout(f"{error} {hint}") from None
+            why = f"poses do come from {self.endpoint}; give snapshots, unless these are 100 ports higher"
+            raise Timeout(f"{why}: {error}") from None
         run, number = self.pose.run, self.pose.number
         if not old.run:
             self.report(f"joined run {run} at {number}, checksum {self.checksum}")

@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 from gymnasium import spaces
-from gymnasium.spaces import GraphInstance, Space
 from gymnasium.vector.utils import batch_space, concatenate, create_empty_array, iterate
 
 from netmq_example import trees
@@ -31,7 +30,7 @@ FEW_ITEMS = 1000
 class Bytes:
     """What is in a space, as bytes and back. `size` is how many bytes it always has, or None."""
 
-    def __init__(self, space: Space[Any]) -> None:
+    def __init__(self, space: spaces.Space[Any]) -> None:
         self.space = space
         self.codec = codec_of(space)
         self.size = self.codec.size
@@ -48,10 +47,9 @@ class Bytes:
         view = memoryview(row)
         try:
             value, end = self.codec.read(view, 0)
-        except MessageError:
-            raise
         except REASONS as error:
-            raise MessageError("not-in-space", f"{len(view)} bytes are not in {self.space}: {error!s:.80}") from None
+            why = f"{len(view)} bytes are not in {self.space}: {error!s:.80}"
+            raise error if isinstance(error, MessageError) else MessageError("not-in-space", why) from None
         if end != len(view):
             raise MessageError("not-in-space", f"{len(view)} bytes are not in {self.space}, which has {end}")
         return value
@@ -75,7 +73,7 @@ class Bytes:
         return self.codec.read_block(block, 0)
 
 
-def together(space: Space[Any], values: list[Any]) -> Any:
+def together(space: spaces.Space[Any], values: list[Any]) -> Any:
     """A batch, as Gymnasium makes it of single ones."""
     room: Any = create_empty_array(space, len(values))
     # Of nothing Gymnasium stacks nothing, with an error.
@@ -189,16 +187,16 @@ class Graph(Codec):
         items, at = read_items(self.nodes, nodes, view, at)
         all_nodes: Any = together(self.space.node_space, items)
         if edges == NO_EDGES:
-            return self.checked(GraphInstance(all_nodes, None, None)), at
+            return self.checked(spaces.GraphInstance(all_nodes, None, None)), at
         if not self.edges or self.space.edge_space is None:
             raise ValueError("it has edges, and its space has none")
         items, at = read_items(self.edges, edges, view, at)
         end = at + 8 * edges
         links = np.array(struct.unpack_from(f"<{2 * edges}i", view, at), np.int32).reshape(edges, 2)
         all_edges: Any = together(self.space.edge_space, items)
-        return self.checked(GraphInstance(all_nodes, all_edges, links)), end
+        return self.checked(spaces.GraphInstance(all_nodes, all_edges, links)), end
 
-    def checked(self, graph: GraphInstance) -> GraphInstance:
+    def checked(self, graph: spaces.GraphInstance) -> spaces.GraphInstance:
         if graph not in self.space:
             raise misfit(graph, self.space)
         return graph
@@ -220,7 +218,7 @@ class OneOf(Codec):
         return (np.int64(which), value), at
 
 
-def codec_of(space: Space[Any]) -> Codec:
+def codec_of(space: spaces.Space[Any]) -> Codec:
     match space:
         case spaces.Box():
             return Numbers(space, space.low, space.high)

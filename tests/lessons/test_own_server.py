@@ -13,6 +13,7 @@ import threading
 import time
 from concurrent.futures import CancelledError, ThreadPoolExecutor
 from contextlib import closing
+from typing import Any
 
 import pytest
 import zmq
@@ -137,7 +138,7 @@ class Unprintable(Exception):
         raise ValueError
 
 
-MISTAKES = {
+MISTAKES: dict[str, Any] = {
     "SystemExit": lambda: SystemExit(3),
     "KeyboardInterrupt": KeyboardInterrupt,
     "Unprintable": Unprintable,
@@ -155,7 +156,8 @@ def test_no_mistake_in_answer_ends_a_thread(mistake, kind, tmp_path):
         return words[-1]
 
     messages, workers = "messages" in kind, int("workers" in kind)
-    ask, form = (MessageRequester, Message) if messages else (LazyPirate, str)
+    kinds: Any = (MessageRequester, Message) if messages else (LazyPirate, str)
+    ask, form = kinds
     with (
         Journal(tmp_path / "journal.sqlite3") as journal,
         Server(answer, messages=messages, workers=workers, journal=journal if kind == "journal" else None) as server,
@@ -268,10 +270,10 @@ def test_only_this_machine_may_ask_unless_it_is_said():
 
 
 def test_close_on_another_thread_and_in_answer_ends_run():
-    server = Server(lambda text: server.close() or text)
-    thread = threading.Thread(target=server.run)
+    own: Any = Server(lambda text: own.close() or text)
+    thread = threading.Thread(target=own.run)
     thread.start()
-    with LazyPirate(server.endpoint, timeout=0.2, tries=1) as pirate, pytest.raises(Timeout):
+    with LazyPirate(own.endpoint, timeout=0.2, tries=1) as pirate, pytest.raises(Timeout):
         pirate.request("hi", within=0.2)
         pirate.request("hi", within=0.2)
     thread.join(LIMIT)
@@ -390,10 +392,10 @@ def test_its_keys_let_in_only_those_on_the_list(tmp_path):
     (keys / "allowed").mkdir(exist_ok=True)
     (keys / "client.key").replace(keys / "allowed" / "alice.key")
     with Server(str.upper, keys=AllowList(keys)) as server:
-        for client in (LazyPirate, BackgroundClient):
-            with client(server.endpoint, timeout=PATIENT, keys=own) as asker:
-                reply = asker.request("hi") if client is LazyPirate else asker.submit("hi").result(LIMIT)
-                assert reply == "HI"
+        with LazyPirate(server.endpoint, timeout=PATIENT, keys=own) as pirate:
+            assert pirate.request("hi") == "HI"
+        with BackgroundClient(server.endpoint, timeout=PATIENT, keys=own) as client:
+            assert client.submit("hi").result(LIMIT) == "HI"
         with ManyRequester(server.endpoint, timeout=PATIENT, keys=own) as requester:
             assert [each.reply for each in requester.request_many(["hi"])] == ["HI"]
         with LazyPirate(server.endpoint, timeout=0.2, tries=1) as stranger, pytest.raises(Timeout):
@@ -414,13 +416,14 @@ def test_a_revoked_key_is_refused_from_then_on(kind, tmp_path):
         return words[-1]
 
     messages = kind == "messages"
-    request = Message("look", 1, {}, [Array("uint8", (3,), b"abc")]) if messages else "hi"
+    kinds: Any = (MessageRequester, Message("look", 1, {}, [Array("uint8", (3,), b"abc")]))
+    ask, request = kinds if messages else (LazyPirate, "hi")
     with (
         Journal(tmp_path / "journal.sqlite3") as journal,
         Server(
             answer, messages=messages, keys=AllowList(keys), journal=journal if kind == "journal" else None
         ) as server,
-        (MessageRequester if messages else LazyPirate)(server.endpoint, timeout=PATIENT, keys=own) as requester,
+        ask(server.endpoint, timeout=PATIENT, keys=own) as requester,
     ):
         assert requester.request(request)
         alice.unlink()
