@@ -138,15 +138,15 @@ class PoseSubscriber(OneProcess):
         """A snapshot may take `timeout` seconds. Its endpoint is that of the stream with a port 100 higher, unless you
         give one. A SUB socket with options of your own goes in as `stream`, and is closed by you.
         """
+        self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5557")
+        self.snapshots = check.endpoint(snapshots or snapshots_beside(endpoint), "tcp://127.0.0.1:5657")
+        self.timeout = check.seconds("timeout", timeout)
         self.own_stream = stream is None
         stream = check.context(context).socket(zmq.SUB) if stream is None else stream
         self.stream: Socket = check.blocking("stream", stream, zmq.Socket)
-        self.timeout = check.seconds("timeout", timeout)
         self.keys = keys
         if stream.type != zmq.SUB:
             raise ValueError(f"stream takes a SUB socket, not {stream.type!s:.40}")
-        self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5557")
-        self.snapshots = check.endpoint(snapshots or snapshots_beside(endpoint), "tcp://127.0.0.1:5657")
         self.report = log.info
         # No run has this name, so the first pose is not the next one.
         self.pose = Pose("", 0, (0, 0, 0), (0, 0, 0, 1))

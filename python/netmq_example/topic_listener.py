@@ -53,23 +53,24 @@ class TopicListener(OneProcess):
         """An empty topic means every message. It waits `timeout` seconds for one, and `high_watermark` messages may
         wait here. A SUB socket with options of your own goes in as `socket`, and is closed by you.
         """
-        self.own_socket = socket is None
+        self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5553", beacon=True)
+        self.topic = check.instance("topic", topic, str)
         self.timeout = check.seconds_or_none("timeout", timeout)
+        high_watermark = check.count("high_watermark", high_watermark, least=0)
+        self.own_socket = socket is None
         if socket is None:
             socket = check.context(context).socket(zmq.SUB)
-            socket.rcvhwm = check.count("high_watermark", high_watermark, least=0)
+            socket.rcvhwm = high_watermark
         self.socket: Socket = check.not_closed("socket", check.blocking("socket", socket, zmq.Socket))
         if socket.type != zmq.SUB:
             raise ValueError("socket takes a SUB socket")
         if keys:
             keys.apply(socket)
         self.stopped = threading.Event()
-        self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5553", beacon=True)
         self.search = BeaconSearch(endpoint)
         # The address that it is connected to, and whether it looks for a new one.
         self.where = ""
         self.looking = True
-        self.topic = check.instance("topic", topic, str)
         self.heard = False
         limit(socket)
         socket.rcvtimeo = SLICE_MS

@@ -1,6 +1,7 @@
 """A server of one's own, and clients for threads and for asyncio: what a program has that is none of the lessons'."""
 
 import asyncio
+import gc
 import importlib
 import logging
 import os
@@ -29,6 +30,7 @@ from netmq_example import (
     Message,
     MessageError,
     MessageRequester,
+    PoseSubscriber,
     Publisher,
     Refused,
     Server,
@@ -716,6 +718,22 @@ def test_what_is_published_comes_as_text_or_as_frames():
             thread.join(LIMIT)
         with pytest.raises(Closed):
             listener.receive()
+
+
+@pytest.mark.parametrize(
+    ("make_one", "words"),
+    [
+        (TopicListener, {}),
+        (TopicListener, {"high_watermark": -1}),
+        (PoseSubscriber, {}),
+        (PoseSubscriber, {"timeout": 0}),
+    ],
+)
+def test_a_wrong_word_leaves_no_socket_open(make_one, words, recwarn):
+    with pytest.raises(ValueError, match=r"timeout|high_watermark|endpoint"):
+        make_one(steady_endpoint() if words else "5553", **words)
+    gc.collect()
+    assert [str(each.message) for each in recwarn] == []
 
 
 def test_json_both_ways():
