@@ -119,7 +119,12 @@ class BackgroundClient(OneProcess):
         self.end = finalizer(self, end, self.pirates, self.waiting)
         self.end.atexit = False
         self.threads = [
-            threading.Thread(target=talk, args=(pirate, self.waiting, client), name=f"{self!r} {number}", daemon=True)
+            threading.Thread(
+                target=talk,
+                args=(pirate, self.waiting, client),
+                name=f"netmq_example.BackgroundClient {endpoint} {number}",
+                daemon=True,
+            )
             for number, pirate in enumerate(self.pirates, 1)
         ]
         for thread in self.threads:

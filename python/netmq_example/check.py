@@ -93,6 +93,13 @@ def context(value: Any) -> Any:
     return not_closed("context", blocking("context", value, zmq.Context))
 
 
+def keys(value: T, method: str = "apply", made: str = "ClientKeys(folder)") -> T:
+    """What netmq_example.security makes of a folder, or None."""
+    if value is None or hasattr(value, method):
+        return value
+    raise TypeError(f"keys takes {made} of netmq_example.security, not {value!r:.40}")
+
+
 def function(name: str, value: T) -> T:
     """Something that can be called."""
     if callable(value):

@@ -59,7 +59,7 @@ class LazyPirate(OneProcess):
         self.search = BeaconSearch(endpoint)
         self.timeout = check.seconds("timeout", timeout)
         self.tries = check.count("tries", tries)
-        self.keys = keys
+        self.keys = check.keys(keys)
         self.context = check.context(context)
         self.report = log.warning
         # An id must never come twice, whoever else asks and however often this program starts: hence the uuid.

@@ -81,7 +81,7 @@ class ManyRequester(OneProcess):
         self.window = check.count("window", window)
         self.timeout = check.seconds("timeout", timeout)
         self.tries = check.count("tries", tries)
-        self.keys = keys
+        self.keys = check.keys(keys)
         self.report = log.warning
         # What is under way, by its id.
         self.pending: dict[bytes, Pending] = {}

@@ -42,7 +42,7 @@ class MessageRequester(OneProcess):
         self.search = BeaconSearch(endpoint)
         self.timeout = check.seconds("timeout", timeout)
         self.tries = check.count("tries", tries)
-        self.keys = keys
+        self.keys = check.keys(keys)
         self.context: Context = check.context(context)
         self.socket: Socket | None = None
         self.closed = False

@@ -96,7 +96,7 @@ class Server(OneProcess):
         self.answer: Any = check.function("answer", answer)
         self.messages = messages
         self.remember = check.count("remember", remember, least=0)
-        self.keys = keys
+        self.keys = check.keys(keys, "guard", "AllowList(folder)")
         self.journal: Journal | None = check.instance("journal", journal, Journal, type(None))
         if journal and (messages or workers):
             raise ValueError("a journal takes neither messages nor workers: it does one text after the other")

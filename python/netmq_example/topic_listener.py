@@ -20,7 +20,7 @@ from netmq_example.errors import Closed, Timeout
 from netmq_example.former import positional
 from netmq_example.lazy_pirate import Keys
 from netmq_example.one_process import OneProcess
-from netmq_example.program import SLICE_MS, Context, Socket, limit, text_of
+from netmq_example.program import LARGEST_BYTES, SLICE_MS, Context, Socket, limit, text_of
 
 # A silent publisher, such as a laptop that sleeps, is asked so often, and gets a new connection, for which libzmq looks
 # its name up again, if it does not answer for so long. The two together are less than the 5 s a client waits.
@@ -46,17 +46,19 @@ class TopicListener(OneProcess):
         *,
         timeout: float = 5.0,
         high_watermark: int = 1000,
+        largest: int = LARGEST_BYTES,
         socket: Socket | None = None,
         keys: Keys | None = None,
         context: Context | None = None,
     ) -> None:
         """An empty topic means every message. It waits `timeout` seconds for one, and `high_watermark` messages may
-        wait here. A SUB socket with options of your own goes in as `socket`, and is closed by you.
+        wait here. It hangs up on a frame of more than `largest` bytes. A SUB socket with options of your own goes in as `socket`, and is closed by you.
         """
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5553", beacon=True)
         self.topic = check.instance("topic", topic, str)
         self.timeout = check.seconds_or_none("timeout", timeout)
         high_watermark = check.count("high_watermark", high_watermark, least=0)
+        self.largest = check.count("largest", largest)
         self.own_socket = socket is None
         if socket is None:
             socket = check.context(context).socket(zmq.SUB)
@@ -72,7 +74,7 @@ class TopicListener(OneProcess):
         self.where = ""
         self.looking = True
         self.heard = False
-        limit(socket)
+        limit(socket, self.largest)
         socket.rcvtimeo = SLICE_MS
         socket.heartbeat_ivl = HEARTBEAT_MS
         socket.heartbeat_timeout = HEARTBEAT_TIMEOUT_MS
@@ -111,7 +113,7 @@ class TopicListener(OneProcess):
             except zmq.Again:
                 waited = time.monotonic() - start
             if waited >= timeout:
-                why = f"is the server running, with topic '{self.topic}', or a message over 64 KB?"
+                why = f"is the server running, with topic '{self.topic}', or a message over {self.largest >> 10} KB?"
                 # A look-up takes its time, which is none of whoever waits for less.
                 if self.search.name or timeout >= LOOK_UP_SECONDS:
                     why = self.search.cure(why)

@@ -1,6 +1,7 @@
 """A server of one's own, and clients for threads and for asyncio: what a program has that is none of the lessons'."""
 
 import asyncio
+import contextlib
 import gc
 import importlib
 import logging
@@ -734,6 +735,21 @@ def test_a_wrong_word_leaves_no_socket_open(make_one, words, recwarn):
         make_one(steady_endpoint() if words else "5553", **words)
     gc.collect()
     assert [str(each.message) for each in recwarn] == []
+
+
+def test_a_frame_that_listeners_do_not_take_is_refused():
+    with Publisher() as publisher:
+        for body in ("x" * 65_536, b"x" * 65_537, Message("a", 0, {}, [Array("uint8", (70_000,), bytes(70_000))])):
+            with pytest.raises(MessageError, match=r"^too-big: a frame of \d+ bytes, more than 65536: give "):
+                publisher.send("a/", body)
+    with Publisher(largest=100_000) as publisher:
+        with TopicListener(publisher.endpoint, "a/", largest=100_000, timeout=0.05) as listener:
+            heard = None
+            while not heard:
+                publisher.send("a/", b"x" * 70_000)
+                with contextlib.suppress(Timeout):
+                    heard = listener.receive_frames()
+    assert heard == [b"a/", b"x" * 70_000]
 
 
 def test_json_both_ways():
