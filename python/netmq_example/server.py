@@ -100,7 +100,6 @@ class Server(OneProcess):
         self.journal: Journal | None = check.instance("journal", journal, Journal, type(None))
         if journal and (messages or workers):
             raise ValueError("a journal takes neither messages nor workers: it does one text after the other")
-        beacon = beacon and beacon_name("beacon", beacon)
         not_for_anyone(check.endpoint(endpoint, "tcp://127.0.0.1:5554", lowest_port=0), open_to_anyone or keys)
         self.workers: WorkerThreads[Any] | None = None
         # The answers of the last requests, and the way back to whoever asks for one that is at work.
@@ -122,7 +121,7 @@ class Server(OneProcess):
                 keys.answer(context)
                 keys.guard(self.socket)
             self.endpoint = bind(self.socket, endpoint)
-            stack.enter_context(answering(beacon, self.endpoint))
+            stack.enter_context(answering(beacon and beacon_name("beacon", beacon), self.endpoint))
             # A byte through this pair wakes the thread with the ZeroMQ socket, on every system.
             self.wake_reader, self.wake_writer = map(stack.enter_context, sockets.socketpair())
             if workers:

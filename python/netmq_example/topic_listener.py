@@ -52,7 +52,8 @@ class TopicListener(OneProcess):
         context: Context | None = None,
     ) -> None:
         """An empty topic means every message. It waits `timeout` seconds for one, and `high_watermark` messages may
-        wait here. It hangs up on a frame of more than `largest` bytes. A SUB socket with options of your own goes in as `socket`, and is closed by you.
+        wait here. It hangs up on a frame of more than `largest` bytes. A SUB socket with options of your own goes in as
+        `socket`, and is closed by you.
         """
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5553", beacon=True)
         self.topic = check.instance("topic", topic, str)

@@ -742,13 +742,15 @@ def test_a_frame_that_listeners_do_not_take_is_refused():
         for body in ("x" * 65_536, b"x" * 65_537, Message("a", 0, {}, [Array("uint8", (70_000,), bytes(70_000))])):
             with pytest.raises(MessageError, match=r"^too-big: a frame of \d+ bytes, more than 65536: give "):
                 publisher.send("a/", body)
-    with Publisher(largest=100_000) as publisher:
-        with TopicListener(publisher.endpoint, "a/", largest=100_000, timeout=0.05) as listener:
-            heard = None
-            while not heard:
-                publisher.send("a/", b"x" * 70_000)
-                with contextlib.suppress(Timeout):
-                    heard = listener.receive_frames()
+    with (
+        Publisher(largest=100_000) as publisher,
+        TopicListener(publisher.endpoint, "a/", largest=100_000, timeout=0.05) as listener,
+    ):
+        heard = None
+        while not heard:
+            publisher.send("a/", b"x" * 70_000)
+            with contextlib.suppress(Timeout):
+                heard = listener.receive_frames()
     assert heard == [b"a/", b"x" * 70_000]
 
 
