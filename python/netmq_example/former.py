@@ -28,7 +28,7 @@ def positional(*names: str) -> Callable[[Callable[P, None]], Callable[P, None]]:
     def decorate(init: Callable[P, None]) -> Callable[P, None]:
         @functools.wraps(init)
         def call(self: Any, *args: Any, **words: Any) -> None:
-            if not is_former(args, words, names):
+            if not is_former(args, words, names) or len(args) > len(names):
                 cast(Any, init)(self, *args, **words)
                 return
             name = type(self).__name__
