@@ -140,6 +140,16 @@ namespace NetMQExample.Tests
             for (var i = 1; i <= 1001; i++) Check(Ask(i) == $"{i}", "of another request");
             Check(Ask(2) == "2", "the second is forgotten as well");
             Check(Ask(1) == "1002", "the first is remembered");
+            // Two clients behind one broker, each of which counts its requests from 1.
+            foreach (var name in new[] { "anne", "bert" })
+                client.SendMoreFrame(name).SendMoreFrame("").SendMoreFrame("1").SendFrame("same");
+            var replies = new List<string>();
+            for (var waited = Stopwatch.StartNew(); replies.Count < 8; server.Poll())
+            {
+                Check(waited.Elapsed < TimeSpan.FromSeconds(60), "no reply");
+                while (client.TryReceiveFrameString(out var frame)) replies.Add(frame);
+            }
+            Check(string.Join(",", replies) == "anne,,1,1003,bert,,1,1004", string.Join(",", replies));
         }
 
         // Its own answer disposes it, as a script does that switches itself off.

@@ -34,9 +34,9 @@ namespace NetMQExample
         // Any bytes as a text.
         private static readonly Encoding Bytes = Encoding.GetEncoding("iso-8859-1");
 
-        private readonly Dictionary<(string client, string id), (byte[] text, byte[] reply)> remembered =
+        private readonly Dictionary<(string way, string id), (byte[] text, byte[] reply)> remembered =
             new Dictionary<(string, string), (byte[], byte[])>();
-        private readonly Queue<(string client, string id)> oldest = new Queue<(string, string)>();
+        private readonly Queue<(string way, string id)> oldest = new Queue<(string, string)>();
         private readonly Stopwatch reported = new Stopwatch();
         private readonly Func<string, string> answer;
         private readonly Action<string> report;
@@ -156,8 +156,10 @@ namespace NetMQExample
             var reply = frames.GetRange(0, body);
             if (frames.Count == body + 2 && frames[body].Length > 0)
             {
+                // The whole way: clients behind one broker have one name here.
+                var way = string.Join(" ", reply.Select(Bytes.GetString));
                 reply.Add(frames[body]);
-                reply.Add(AnswerOnce(frames[0], frames[body], frames[body + 1]));
+                reply.Add(AnswerOnce(way, frames[body], frames[body + 1]));
             }
             else reply.Add(Answer(frames.Skip(body)));
             if (disposed) return true;
@@ -166,9 +168,9 @@ namespace NetMQExample
             return true;
         }
 
-        private byte[] AnswerOnce(byte[] client, byte[] id, byte[] text)
+        private byte[] AnswerOnce(string way, byte[] id, byte[] text)
         {
-            var key = (id.Length < UniqueIdBytes ? Bytes.GetString(client) : "", Bytes.GetString(id));
+            var key = (id.Length < UniqueIdBytes ? way : "", Bytes.GetString(id));
             var again = remembered.TryGetValue(key, out var known);
             if (again && known.text.AsSpan().SequenceEqual(text)) return known.reply;
             var reply = Answer(new[] { text });
