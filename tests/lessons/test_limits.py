@@ -103,6 +103,7 @@ def test_what_is_answered_and_not_read(peer):
 # What every socket is made with, in a program that does not come to read.
 DEAF = """
 import time
+import zmq
 from netmq_example.program import *
 from netmq_example.messages import LIMIT
 with listening(zmq.ROUTER, server_options("", "tcp://127.0.0.1:0").parse_args(), 4 * LIMIT):

@@ -502,7 +502,7 @@ def test_what_the_futures_raise():
         with pytest.raises(Timeout, match=r"^2 tries to ask ") as late:
             client.submit("x").result(LIMIT)
         assert isinstance(late.value, TimeoutError)
-        with pytest.raises(Timeout, match=r"^1 try within 0\.02 s to ask "):
+        with pytest.raises(Timeout, match=r"^1 try within [\d.]+ s to ask "):
             client.submit("x", within=0.02).result(LIMIT)
         waiting = [client.submit("x"), client.submit("y")]
     for each in waiting:
@@ -516,7 +516,7 @@ def test_what_the_futures_raise():
 def test_all_tries_together_take_no_longer_than_within():
     with (
         LazyPirate(steady_endpoint(), timeout=0.2, tries=100) as pirate,
-        pytest.raises(Timeout, match=r"^2 tries within 0\.3 s to "),
+        pytest.raises(Timeout, match=r"^2 tries within [\d.]+ s to "),
     ):
         pirate.request("x", within=0.3)
 
@@ -598,7 +598,7 @@ def test_no_try_follows_once_its_task_is_cancelled():
                 async with asyncio.timeout(0.15):
                     await client.ask("x")
             # The one connection is free for the next.
-            with pytest.raises(Timeout, match=r"^\d+ tr\w+ within 2 s to ask "):
+            with pytest.raises(Timeout, match=r"^\d+ tr\w+ within [\d.]+ s to ask "):
                 await client.ask("y", within=2)
 
     asyncio.run(main())
