@@ -158,11 +158,13 @@ class Server(OneProcess):
                 poller.poll(SLICE_MS)
                 for key, reply in self.workers.finished() if self.workers else ():
                     self.done(key, self.begun.pop(key), reply)
+                # The message that is there may be a broken one, which the socket drops.
                 with contextlib.suppress(zmq.Again):
                     for _ in range(MOST_MESSAGES):
-                        self.take(self.socket.recv_multipart(zmq.NOBLOCK, copy=not (self.messages or self.keys)))
-                        if self.stopped.is_set():
+                        # A Ctrl-C while pyzmq says that there is none would be lost.
+                        if self.stopped.is_set() or not int(self.socket.getsockopt(zmq.EVENTS)) & zmq.POLLIN:
                             break
+                        self.take(self.socket.recv_multipart(zmq.NOBLOCK, copy=not (self.messages or self.keys)))
 
     def take(self, frames: list[Any]) -> None:
         welcome = not self.keys or self.keys.name_of(frames[-1])
