@@ -68,7 +68,7 @@ __all__ = [
 
 # Hidden from a type checker, to which any name would exist.
 if not TYPE_CHECKING:
-    _ROOMS = {
+    ROOMS = {
         "background_client": "BackgroundClient",
         "camera.client": "Action DriverClient",
         "errors": "Closed Error Lost MessageError Refused Timeout",
@@ -85,5 +85,4 @@ if not TYPE_CHECKING:
         "server": "Server serve",
         "topic_listener": "TopicListener",
     }
-    _NAMES = {name: f"netmq_example.{room}" for room, names in _ROOMS.items() for name in names.split()}
-    __getattr__, __dir__ = door(__name__, _NAMES)
+    __getattr__, __dir__ = door(__name__, ROOMS)

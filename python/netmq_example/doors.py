@@ -7,7 +7,8 @@
 
     # Hidden from a type checker, to which any name would exist.
     if not TYPE_CHECKING:
-        __getattr__, __dir__ = door(__name__, {"DriverClient": "netmq_example.camera.client"})
+        ROOMS = {"client": "DriverClient"}
+        __getattr__, __dir__ = door(__name__, ROOMS)
 
 A copy of a lesson has only the modules that it needs. A name of another one is an AttributeError there, as help(),
 dir() and hasattr() expect it. A package that is missing is an ImportError with its cure.
@@ -20,13 +21,14 @@ from typing import Any
 
 
 def door(package: str, rooms: dict[str, str]) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
-    """`__getattr__` and `__dir__` of a package, by the module that each of its names is in."""
+    """`__getattr__` and `__dir__` of a package, by the names that are in each of its modules."""
+    places = {name: f"{package}.{room}" for room, names in rooms.items() for name in names.split()}
 
     def load(name: str) -> Any:
-        if name not in rooms:
+        if name not in places:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
         try:
-            found = getattr(importlib.import_module(rooms[name]), name)
+            found = getattr(importlib.import_module(places[name]), name)
         except ModuleNotFoundError as error:
             if str(error.name).startswith("netmq_example"):
                 raise AttributeError(f"{name} needs {error.name}, which is not in this copy") from None
@@ -36,4 +38,4 @@ def door(package: str, rooms: dict[str, str]) -> tuple[Callable[[str], Any], Cal
         setattr(sys.modules[package], name, found)
         return found
 
-    return load, lambda: sorted({*vars(sys.modules[package]), *rooms})
+    return load, lambda: sorted({*vars(sys.modules[package]), *places})

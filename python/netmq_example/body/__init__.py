@@ -14,12 +14,8 @@ __all__ = ["BodyListener", "BodyPose", "SourceError", "play", "read", "watch", "
 # Hidden from a type checker, to which any name would exist.
 if not TYPE_CHECKING:
     ROOMS = {
-        "BodyListener": "netmq_example.body.listener",
-        "BodyPose": "netmq_example.body.listener",
-        "SourceError": "netmq_example.body.people",
-        "play": "netmq_example.body.people",
-        "read": "netmq_example.body.people",
-        "watch": "netmq_example.body.camera",
-        "write": "netmq_example.body.people",
+        "camera": "watch",
+        "listener": "BodyListener BodyPose",
+        "people": "SourceError play read write",
     }
     __getattr__, __dir__ = door(__name__, ROOMS)

@@ -14,12 +14,8 @@ __all__ = ["Action", "DriverClient", "Recorder", "Row", "decode", "encode", "rec
 # Hidden from a type checker, to which any name would exist.
 if not TYPE_CHECKING:
     ROOMS = {
-        "Action": "netmq_example.camera.client",
-        "DriverClient": "netmq_example.camera.client",
-        "Recorder": "netmq_example.camera.recording",
-        "Row": "netmq_example.camera.recording",
-        "decode": "netmq_example.camera.pictures",
-        "encode": "netmq_example.camera.pictures",
-        "recorded": "netmq_example.camera.recording",
+        "client": "Action DriverClient",
+        "pictures": "decode encode",
+        "recording": "Recorder Row recorded",
     }
     __getattr__, __dir__ = door(__name__, ROOMS)

@@ -31,16 +31,6 @@ try:
 except ImportError as error:
     raise without(error) from None
 
-# Whole names, from which `kit.py copy` reads what belongs together.
-ROOMS = {
-    "UnityAECEnv": "netmq_example.envs.unity_parallel_env",
-    "UnityGymEnv": "netmq_example.envs.unity_env",
-    "UnityParallelEnv": "netmq_example.envs.unity_parallel_env",
-    "UnityVectorEnv": "netmq_example.envs.unity_vector_env",
-    "ZmqEnv": "netmq_example.envs.gym_env",
-    "ZmqParallelEnv": "netmq_example.envs.parallel_env",
-    "ZmqVectorEnv": "netmq_example.envs.vector_env",
-}
 __all__ = [
     "UnityAECEnv",
     "UnityGymEnv",
@@ -74,6 +64,14 @@ def register() -> None:
 
 # Hidden from a type checker, to which any name would exist.
 if not TYPE_CHECKING:
+    ROOMS = {
+        "gym_env": "ZmqEnv",
+        "parallel_env": "ZmqParallelEnv",
+        "unity_env": "UnityGymEnv",
+        "unity_parallel_env": "UnityAECEnv UnityParallelEnv",
+        "unity_vector_env": "UnityVectorEnv",
+        "vector_env": "ZmqVectorEnv",
+    }
     __getattr__, __dir__ = door(__name__, ROOMS)
 
 

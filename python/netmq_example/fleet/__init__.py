@@ -14,8 +14,8 @@ __all__ = ["FleetSimulator", "FleetSocket", "Hub"]
 # Hidden from a type checker, to which any name would exist.
 if not TYPE_CHECKING:
     ROOMS = {
-        "FleetSimulator": "netmq_example.fleet.simulator",
-        "FleetSocket": "netmq_example.fleet.trainer",
-        "Hub": "netmq_example.fleet.hub",
+        "hub": "Hub",
+        "simulator": "FleetSimulator",
+        "trainer": "FleetSocket",
     }
     __getattr__, __dir__ = door(__name__, ROOMS)

@@ -15,11 +15,9 @@ __all__ = ["JobClient", "Jobs", "Journal", "Kind", "Step", "WorkError"]
 # Hidden from a type checker, to which any name would exist.
 if not TYPE_CHECKING:
     ROOMS = {
-        "JobClient": "netmq_example.jobs.client",
-        "Jobs": "netmq_example.jobs.jobs",
-        "Journal": "netmq_example.jobs.journal",
-        "Kind": "netmq_example.jobs.work",
-        "Step": "netmq_example.jobs.work",
-        "WorkError": "netmq_example.jobs.work",
+        "client": "JobClient",
+        "jobs": "Jobs",
+        "journal": "Journal",
+        "work": "Kind Step WorkError",
     }
     __getattr__, __dir__ = door(__name__, ROOMS)

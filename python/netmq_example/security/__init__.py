@@ -14,13 +14,8 @@ __all__ = ["AllowList", "ClientKeys", "SecureRequester", "enrol", "load", "make"
 # Hidden from a type checker, to which any name would exist.
 if not TYPE_CHECKING:
     ROOMS = {
-        "AllowList": "netmq_example.security.allow_list",
-        "ClientKeys": "netmq_example.security.requester",
-        "SecureRequester": "netmq_example.security.requester",
-        "enrol": "netmq_example.security.keys",
-        "load": "netmq_example.security.keys",
-        "make": "netmq_example.security.keys",
-        "revoke": "netmq_example.security.keys",
-        "rotate": "netmq_example.security.keys",
+        "allow_list": "AllowList",
+        "keys": "enrol load make revoke rotate",
+        "requester": "ClientKeys SecureRequester",
     }
     __getattr__, __dir__ = door(__name__, ROOMS)

@@ -47,21 +47,16 @@ __all__ = [
 # Hidden from a type checker, to which any name would exist.
 if not TYPE_CHECKING:
     ROOMS = {
-        "Carrier": "netmq_example.side_channel.carrier",
-        "ClientCarrier": "netmq_example.side_channel.carrier",
-        "EngineConfig": "netmq_example.side_channel.engine_configuration_channel",
-        "EngineConfigurationChannel": "netmq_example.side_channel.engine_configuration_channel",
-        "EngineSettings": "netmq_example.side_channel.unity_channels",
-        "EnvironmentParameters": "netmq_example.side_channel.unity_channels",
-        "EnvironmentParametersChannel": "netmq_example.side_channel.environment_parameters_channel",
-        "FloatPropertiesChannel": "netmq_example.side_channel.float_properties_channel",
-        "IncomingMessage": "netmq_example.side_channel.incoming_message",
-        "OutgoingMessage": "netmq_example.side_channel.outgoing_message",
-        "RawBytesChannel": "netmq_example.side_channel.raw_bytes_channel",
-        "SideChannel": "netmq_example.side_channel.side_channel",
-        "SideChannelManager": "netmq_example.side_channel.side_channel_manager",
-        "StatsAggregationMethod": "netmq_example.side_channel.stats_side_channel",
-        "StatsRecorder": "netmq_example.side_channel.unity_channels",
-        "StatsSideChannel": "netmq_example.side_channel.stats_side_channel",
+        "carrier": "Carrier ClientCarrier",
+        "engine_configuration_channel": "EngineConfig EngineConfigurationChannel",
+        "environment_parameters_channel": "EnvironmentParametersChannel",
+        "float_properties_channel": "FloatPropertiesChannel",
+        "incoming_message": "IncomingMessage",
+        "outgoing_message": "OutgoingMessage",
+        "raw_bytes_channel": "RawBytesChannel",
+        "side_channel": "SideChannel",
+        "side_channel_manager": "SideChannelManager",
+        "stats_side_channel": "StatsAggregationMethod StatsSideChannel",
+        "unity_channels": "EngineSettings EnvironmentParameters StatsRecorder",
     }
     __getattr__, __dir__ = door(__name__, ROOMS)

@@ -15,11 +15,9 @@ __all__ = ["Film", "FilmView", "Films", "ViewFilm", "ViewSender", "open_film"]
 # Hidden from a type checker, to which any name would exist.
 if not TYPE_CHECKING:
     ROOMS = {
-        "Film": "netmq_example.video.film_writer",
-        "FilmView": "netmq_example.video.view_sender",
-        "Films": "netmq_example.video.films",
-        "ViewFilm": "netmq_example.video.view_film",
-        "ViewSender": "netmq_example.video.view_sender",
-        "open_film": "netmq_example.video.film_writer",
+        "film_writer": "Film open_film",
+        "films": "Films",
+        "view_film": "ViewFilm",
+        "view_sender": "FilmView ViewSender",
     }
     __getattr__, __dir__ = door(__name__, ROOMS)

@@ -16,11 +16,9 @@ __all__ = ["Door", "Listener", "Requester", "SocketIORequester", "WebSocketReque
 # Hidden from a type checker, to which any name would exist.
 if not TYPE_CHECKING:
     ROOMS = {
-        "Door": "netmq_example.web.door",
-        "Listener": "netmq_example.web.browser_socket",
-        "Requester": "netmq_example.web.browser_socket",
-        "SocketIORequester": "netmq_example.web.socketio_requester",
-        "WebSocketRequester": "netmq_example.web.requester",
-        "for_browsers": "netmq_example.web.browser_socket",
+        "browser_socket": "Listener Requester for_browsers",
+        "door": "Door",
+        "requester": "WebSocketRequester",
+        "socketio_requester": "SocketIORequester",
     }
     __getattr__, __dir__ = _door(__name__, ROOMS)
