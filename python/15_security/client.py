@@ -14,7 +14,7 @@ from pathlib import Path
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.program import at_least_one, client_options, printable, run, whole
+from netmq_example.program import at_least_one, client_options, printable, run, whole, wrong_usage
 from netmq_example.security.requester import ClientKeys, SecureRequester
 
 
@@ -32,10 +32,8 @@ def main() -> None:
     options = parser.parse_args()
     keys = None
     if not options.plain:
-        try:
+        with wrong_usage(parser):
             keys = ClientKeys(options.keys, options.server_key)
-        except ValueError as error:
-            parser.error(str(error))
         if options.stranger:
             keys.public, keys.secret = zmq.curve_keypair()
     print(f"asking {options.endpoint}", flush=True)

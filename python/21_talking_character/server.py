@@ -20,11 +20,10 @@ import zmq
 from small_talk import small_talk
 
 from netmq_example import check
-from netmq_example.errors import Error
 from netmq_example.jobs.jobs import Jobs
 from netmq_example.jobs.journal import Journal
 from netmq_example.jobs.work import Kind
-from netmq_example.program import few_answers_wait, listening, option, run, seconds, server_options
+from netmq_example.program import few_answers_wait, listening, option, run, seconds, server_options, wrong_usage
 from netmq_example.talk.ollama import address, ollama_talk
 
 
@@ -40,11 +39,9 @@ def main() -> None:
     talk = functools.partial(small_talk, delay=options.delay, seed=options.seed)
     if options.ollama:
         talk = functools.partial(ollama_talk, url=options.ollama, model=options.model)
-    try:
+    with wrong_usage(parser):
         # To speak is a job: the words are its feedback, ten times a second at most, which is faster than one reads.
         jobs = Jobs(Journal(options.journal), {"talk": Kind(talk, most=1000)}, options.workers)
-    except (Error, ValueError) as error:
-        parser.error(str(error))
     with contextlib.closing(jobs), listening(zmq.ROUTER, options, prepare=few_answers_wait) as socket:
         while True:
             # A wait with a limit: on Windows Ctrl-C is heard only between two waits, and a worker's time may be over.
