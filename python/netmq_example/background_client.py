@@ -28,12 +28,12 @@ from enum import StrEnum
 from typing import NamedTuple
 
 from netmq_example import check
-from netmq_example.errors import Closed, Refused, Timeout
+from netmq_example.errors import Closed, Timeout
 from netmq_example.finalizers import finalizer
 from netmq_example.former import positional
-from netmq_example.lazy_pirate import Keys, LazyPirate, sendable
-from netmq_example.one_process import OneProcess
-from netmq_example.program import Context
+from netmq_example.lazy_pirate import LazyPirate, refused
+from netmq_example.one_process import Keys, OneProcess
+from netmq_example.program import Context, encoded
 
 Callback = Callable[[str], object]
 MOST_CONNECTIONS = 256
@@ -166,7 +166,7 @@ class BackgroundClient(OneProcess):
 
     def enqueue(self, text: str, within: float | None) -> Asked:
         self.check_process()
-        sendable(text)
+        encoded(text)
         asked = Asked(text, time.monotonic() + (math.inf if within is None else check.seconds("within", within)))
         with self.gate:
             if self.end.alive:
@@ -246,8 +246,8 @@ def ask(pirate: LazyPirate, asked: Asked, client: Client) -> None:
         if asked.refusable and asked.retried:
             log.info("%s answers again", pirate.endpoint)
         tell(client, ClientState.CONNECTED)
-        if asked.refusable and reply.startswith("error:"):
-            asked.future.set_exception(Refused("error", reply.removeprefix("error:").strip()))
+        if asked.refusable and (refusal := refused(reply)):
+            asked.future.set_exception(refusal)
         else:
             asked.future.set_result(reply)
 

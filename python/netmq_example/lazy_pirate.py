@@ -13,15 +13,14 @@ import threading
 import time
 import uuid
 from collections.abc import Callable
-from typing import Protocol
 
 import zmq
 
 from netmq_example import check
 from netmq_example.beacon import LOOK_UP_SECONDS, BeaconSearch
-from netmq_example.errors import Closed, MessageError, Timeout, longer, tried
+from netmq_example.errors import Closed, Refused, Timeout, longer, tried
 from netmq_example.former import positional
-from netmq_example.one_process import OneProcess, one_at_a_time
+from netmq_example.one_process import Keys, OneProcess, one_at_a_time
 from netmq_example.program import Context, Socket, encoded, limit, printable, text_of
 
 # The longest wait in one piece, in milliseconds: between two of them stop() is noticed and, on Windows, Ctrl-C.
@@ -30,12 +29,6 @@ SLICE_MS = 50
 PAUSE_SECONDS = 0.25
 
 log = logging.getLogger("netmq_example.client")
-
-
-class Keys(Protocol):
-    """ClientKeys of netmq_example.security: they prove to a server who asks."""
-
-    def apply(self, socket: Socket) -> None: ...
 
 
 class LazyPirate(OneProcess):
@@ -84,7 +77,7 @@ class LazyPirate(OneProcess):
         if not self.stopped.is_set():
             check.not_closed("context", self.context)
         self.number += 1
-        request = [f"{self.number}-{self.name}".encode(), sendable(text)]
+        request = [f"{self.number}-{self.name}".encode(), encoded(text)]
         attempt = 1
         while not self.stopped.is_set():
             timeout = max(0.0, min(longer(self.timeout, attempt - 1), until() - time.monotonic()))
@@ -164,12 +157,9 @@ class LazyPirate(OneProcess):
         self.search.close()
 
 
-def sendable(text: str) -> bytes:
-    """A request in UTF-8. MessageError: it is too long."""
-    try:
-        return encoded(text)
-    except ValueError as error:
-        raise MessageError(str(error)) from None
+def refused(reply: str) -> Refused | None:
+    """What a text of the lessons' servers that begins with `error:` says, or None for another one."""
+    return Refused("error", reply[6:].strip()) if reply.startswith("error:") else None
 
 
 def is_reply(frames: list[bytes], request: list[bytes]) -> bool:

@@ -21,10 +21,10 @@ import zmq
 
 from netmq_example import check
 from netmq_example.beacon import cure
-from netmq_example.errors import Error, MessageError, Refused, Timeout, longer, tried
+from netmq_example.errors import Error, MessageError, Timeout, longer, tried
 from netmq_example.former import positional
-from netmq_example.lazy_pirate import Keys
-from netmq_example.one_process import OneProcess, one_at_a_time
+from netmq_example.lazy_pirate import refused
+from netmq_example.one_process import Keys, OneProcess, one_at_a_time
 from netmq_example.program import LARGEST_BYTES, Context, limit, text_of
 
 # The deadlines are checked this often. Shorter would cost more. Longer, and Ctrl-C would have to wait on Windows.
@@ -168,8 +168,7 @@ class ManyRequester(OneProcess):
                 continue
             del self.pending[frames[0]]
             reply = text_of(frames[1])
-            refused = Refused("error", reply[6:].strip()) if reply.startswith("error:") else None
-            yield Outcome(entry.number, reply, refused)
+            yield Outcome(entry.number, reply, refused(reply))
 
     def overdue(self) -> Iterator[Outcome]:
         """A request that waits for too long is sent again with its old id, or given up."""

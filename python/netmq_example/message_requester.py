@@ -14,9 +14,9 @@ import zmq
 from netmq_example import check
 from netmq_example.beacon import BeaconSearch
 from netmq_example.errors import Closed, Timeout, longer, tried
-from netmq_example.lazy_pirate import PAUSE_SECONDS, Keys
+from netmq_example.lazy_pirate import PAUSE_SECONDS
 from netmq_example.messages import LIMIT, Message
-from netmq_example.one_process import OneProcess, one_at_a_time
+from netmq_example.one_process import Keys, OneProcess, one_at_a_time
 from netmq_example.program import SLICE_MS, Context, Socket, limit
 
 log = logging.getLogger("netmq_example.client")

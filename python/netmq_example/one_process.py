@@ -11,9 +11,15 @@ import inspect
 import os
 import threading
 from collections.abc import Callable
-from typing import Any, NoReturn, Self, TypeVar, cast
+from typing import Any, NoReturn, Protocol, Self, TypeVar, cast
 
 Method = TypeVar("Method", bound=Callable[..., Any])
+
+
+class Keys(Protocol):
+    """ClientKeys of netmq_example.security: they prove to a server who asks."""
+
+    def apply(self, socket: Any) -> None: ...
 
 
 class OneProcess:

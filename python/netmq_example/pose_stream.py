@@ -27,8 +27,7 @@ from netmq_example import check
 from netmq_example.beacon import cure
 from netmq_example.errors import Error, Timeout
 from netmq_example.former import positional
-from netmq_example.lazy_pirate import Keys
-from netmq_example.one_process import OneProcess
+from netmq_example.one_process import Keys, OneProcess
 from netmq_example.program import SLICE_MS, Context, Socket, encoded, limit
 
 # After so much silence a subscriber asks for a snapshot: the message that was lost may have been the last one.
@@ -144,7 +143,7 @@ class PoseSubscriber(OneProcess):
         self.own_stream = stream is None
         stream = check.context(context).socket(zmq.SUB) if stream is None else stream
         self.stream: Socket = check.blocking("stream", stream, zmq.Socket)
-        self.keys = keys
+        self.keys = check.keys(keys)
         if stream.type != zmq.SUB:
             raise ValueError(f"stream takes a SUB socket, not {stream.type!s:.40}")
         self.report = log.info
@@ -156,8 +155,8 @@ class PoseSubscriber(OneProcess):
         self.gaps: deque[Gap] = deque(maxlen=MOST_GAPS)
         self.connections = 0
         limit(stream)
-        if keys:
-            keys.apply(stream)
+        if self.keys:
+            self.keys.apply(stream)
         stream.subscribe("pose/")
         stream.connect(self.endpoint)
 

@@ -28,7 +28,7 @@ import zmq
 from netmq_example import check, interrupts
 from netmq_example.beacon import answering, cure
 from netmq_example.console import log_lines, printable, show, unhindered
-from netmq_example.errors import Error, ListenError, Timeout
+from netmq_example.errors import Error, ListenError, MessageError, Timeout
 from netmq_example.options import (
     Options,
     a_name,
@@ -143,6 +143,10 @@ def not_for_anyone(endpoint: str, allowed: Any, cure: str = "say open_to_anyone=
         raise ValueError(f"'{endpoint}' would let anyone in, who could end it; use lesson 15's keys, or {cure}")
 
 
+def cannot_listen(endpoint: str, error: zmq.ZMQError, cure: str) -> ListenError:
+    return ListenError(error.errno, f"cannot listen on {endpoint}: {zmq.strerror(error.errno or 0)}; {cure}")
+
+
 def bind(socket: Socket, endpoint: str, cure: str = "tcp://127.0.0.1:0 takes a free port") -> str:
     """Bind it, and say where: port 0 and * have become a free one. ListenError says why it cannot, with the cure."""
     try:
@@ -150,8 +154,7 @@ def bind(socket: Socket, endpoint: str, cure: str = "tcp://127.0.0.1:0 takes a f
     except zmq.ZMQError as error:
         if error.errno == zmq.EADDRINUSE:
             cure = f"{IN_USE}, or {cure}"
-        why = f"cannot listen on {endpoint}: {zmq.strerror(error.errno or 0)}; {cure}"
-        raise ListenError(error.errno, why) from None
+        raise cannot_listen(endpoint, error, cure) from None
     return socket.getsockopt_string(zmq.LAST_ENDPOINT)
 
 
@@ -222,10 +225,10 @@ def next_message(recv_multipart: Callable[[], list[T]], timeout: float) -> list[
 
 
 def encoded(text: str, errors: str = "replace") -> bytes:
-    """In UTF-8, to be sent in one frame. ValueError if it is too long: the peer would hang up, without a word."""
+    """In UTF-8, to be sent in one frame. MessageError if it is too long: the peer would hang up, without a word."""
     data = check.instance("text", text, str).encode(errors=errors)
     if len(data) > LARGEST_BYTES:
-        raise ValueError(f"a text of {len(data)} bytes, more than {LARGEST_BYTES}: lesson 05 carries more")
+        raise MessageError(f"a text of {len(data)} bytes, more than {LARGEST_BYTES}: lesson 05 carries more")
     return data
 
 

@@ -18,8 +18,7 @@ from netmq_example import check
 from netmq_example.beacon import LOOK_UP_SECONDS, BeaconSearch
 from netmq_example.errors import Closed, Timeout
 from netmq_example.former import positional
-from netmq_example.lazy_pirate import Keys
-from netmq_example.one_process import OneProcess
+from netmq_example.one_process import Keys, OneProcess
 from netmq_example.program import LARGEST_BYTES, SLICE_MS, Context, Socket, limit, text_of
 
 # A silent publisher, such as a laptop that sleeps, is asked so often, and gets a new connection, for which libzmq looks
@@ -60,6 +59,7 @@ class TopicListener(OneProcess):
         self.timeout = check.seconds_or_none("timeout", timeout)
         high_watermark = check.count("high_watermark", high_watermark, least=0)
         self.largest = check.count("largest", largest)
+        self.keys = check.keys(keys)
         self.own_socket = socket is None
         if socket is None:
             socket = check.context(context).socket(zmq.SUB)
@@ -67,8 +67,8 @@ class TopicListener(OneProcess):
         self.socket: Socket = check.not_closed("socket", check.blocking("socket", socket, zmq.Socket))
         if socket.type != zmq.SUB:
             raise ValueError("socket takes a SUB socket")
-        if keys:
-            keys.apply(socket)
+        if self.keys:
+            self.keys.apply(socket)
         self.stopped = threading.Event()
         self.search = BeaconSearch(endpoint)
         # The address that it is connected to, and whether it looks for a new one.

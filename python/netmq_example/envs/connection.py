@@ -22,11 +22,11 @@ import zmq
 
 from netmq_example import check, records
 from netmq_example.envs.launch import END_SECONDS, QUIET, end_program, program, say_waiting, start_program, why_ended
-from netmq_example.errors import ListenError, Lost, Timeout
+from netmq_example.errors import Lost, Timeout
 from netmq_example.finalizers import finalizer
 from netmq_example.messages import LIMIT, Message, MessageError
 from netmq_example.one_process import OneProcess
-from netmq_example.program import limit
+from netmq_example.program import cannot_listen, limit
 from netmq_example.records import Record
 
 ENDPOINT = "tcp://127.0.0.1:5559"
@@ -282,6 +282,5 @@ def bound(endpoint: str, example: str = ENDPOINT) -> zmq.Socket[bytes]:
     except zmq.ZMQError as error:
         context.destroy()
         cure = f"close() the environment that has it, or give this one its own endpoint, such as {FREE_PORT}"
-        why = f"cannot listen on {endpoint}: {zmq.strerror(error.errno or 0)}; {cure}"
-        raise ListenError(error.errno, why) from None
+        raise cannot_listen(endpoint, error, cure) from None
     return socket

@@ -17,9 +17,8 @@ from typing import Any
 import zmq
 
 from netmq_example import check
-from netmq_example.errors import ListenError
 from netmq_example.messages import LIMIT, Message, MessageError, take
-from netmq_example.program import limit
+from netmq_example.program import cannot_listen, limit
 
 ENDPOINT = "tcp://127.0.0.1:5562"
 # After so much silence it is asked whether it is there.
@@ -48,8 +47,7 @@ def bound(endpoint: str) -> zmq.Socket[bytes]:
     except zmq.ZMQError as error:
         socket.context.destroy()
         cure = "close() the Films that have it, or end the other program, or take another port here and in the game"
-        why = f"cannot listen on {endpoint}: {zmq.strerror(error.errno or 0)}; {cure}"
-        raise ListenError(error.errno, why) from None
+        raise cannot_listen(endpoint, error, cure) from None
     return socket
 
 
