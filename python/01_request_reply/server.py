@@ -15,8 +15,7 @@ from pathlib import Path
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.program import listening, receive, run, seconds, server_options
-from netmq_example.replies import reply_to
+from netmq_example.program import listening, receive, reply_to, run, seconds, server_options
 
 
 def answer(text: str) -> str:

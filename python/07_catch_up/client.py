@@ -12,8 +12,9 @@ import time
 from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
+from netmq_example.asking import client_endpoint, client_options, wrong_usage
 from netmq_example.pose_stream import PoseSubscriber
-from netmq_example.program import client_endpoint, client_options, run, seconds, whole, wrong_usage
+from netmq_example.program import run, seconds, whole
 
 
 def main() -> None:

@@ -20,9 +20,9 @@ from pathlib import Path
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.options import seconds, server_endpoint, server_options, whole, wrong_usage
+from netmq_example.asking import wrong_usage
 from netmq_example.pose_stream import PosePublisher, snapshots_beside
-from netmq_example.program import SLICE_MS, Socket, listening, run
+from netmq_example.program import SLICE_MS, Socket, listening, run, seconds, server_endpoint, server_options, whole
 
 
 def circle(angle: float) -> tuple[tuple[float, ...], tuple[float, ...]]:

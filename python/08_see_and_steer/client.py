@@ -14,7 +14,9 @@ import time
 from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
-from netmq_example.program import importing, run, show
+from netmq_example.console import show
+from netmq_example.extras import importing
+from netmq_example.program import run
 
 with importing("numpy: pip install numpy, or let kit.py run 8 do it", stopped="stopped"):
     from drive import Drive, drive_options

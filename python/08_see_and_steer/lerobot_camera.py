@@ -17,7 +17,8 @@ from pathlib import Path
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.program import Context, Socket, importing, listening, run, server_endpoint, server_options
+from netmq_example.extras import importing
+from netmq_example.program import Context, Socket, listening, run, server_endpoint, server_options
 
 with importing("numpy and Pillow: pip install numpy pillow, or let kit.py run 8 do it"):
     from driver import follow_road, main_camera

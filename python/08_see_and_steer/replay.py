@@ -16,9 +16,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
-from netmq_example import check
+from netmq_example import arguments
+from netmq_example.asking import client_options
 from netmq_example.errors import Timeout
-from netmq_example.program import client_options, importing, option, run
+from netmq_example.extras import importing
+from netmq_example.program import option, run
 
 with importing("numpy: pip install numpy, or let kit.py run 8 do it", stopped="stopped"):
     from netmq_example.camera.client import Action, DriverClient
@@ -63,7 +65,7 @@ def replay(client: DriverClient, options: argparse.Namespace) -> str:
 
 def pictures_a_second(text: str) -> float:
     """A number from 0 on."""
-    return option(lambda name, value: check.number(name, value, 0, 100_000), text, float)
+    return option(lambda name, value: arguments.number(name, value, 0, 100_000), text, float)
 
 
 def main() -> None:

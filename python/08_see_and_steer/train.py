@@ -17,8 +17,9 @@ from pathlib import Path
 from typing import Any
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
-from netmq_example.check import regular_file
-from netmq_example.program import importing, run, whole
+from netmq_example.arguments import regular_file
+from netmq_example.extras import importing
+from netmq_example.program import run, whole
 
 with importing("numpy and Pillow: pip install numpy pillow, or let kit.py run 8 do it", stopped="stopped"):
     import numpy as np

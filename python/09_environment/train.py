@@ -16,7 +16,8 @@ from typing import Any
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 from netmq_example.errors import Error
-from netmq_example.program import importing, run, server_endpoint, whole
+from netmq_example.extras import importing
+from netmq_example.program import run, server_endpoint, whole
 
 with importing("gymnasium; pip install gymnasium, or let kit.py run 9 do it", stopped="stopped"):
     import gymnasium
@@ -24,7 +25,7 @@ with importing("gymnasium; pip install gymnasium, or let kit.py run 9 do it", st
 
     import netmq_example.envs  # noqa: F401, it registers the environments.
     from netmq_example.cross_entropy import GOAL, STEPS, play, train
-    from netmq_example.errors import pip_install
+    from netmq_example.extras import pip_install
     from netmq_example.messages import MessageError
 
 

@@ -13,7 +13,9 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
-from netmq_example.program import client_options, importing, run, whole
+from netmq_example.asking import client_options
+from netmq_example.extras import importing
+from netmq_example.program import run, whole
 
 with importing("numpy; kit.py run 12 installs it", stopped="stopped"):
     from self_driving import SelfDriving, scaled

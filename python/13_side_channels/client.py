@@ -16,7 +16,9 @@ sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 from rounds import TROUBLES, Rounds
 
-from netmq_example.program import client_options, run, show, whole
+from netmq_example.asking import client_options
+from netmq_example.console import show
+from netmq_example.program import run, whole
 from netmq_example.side_channel.carrier import ClientCarrier
 
 

@@ -15,7 +15,9 @@ from pathlib import Path
 from typing import Any
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
-from netmq_example.program import client_endpoint, importing, run
+from netmq_example.asking import client_endpoint
+from netmq_example.extras import importing
+from netmq_example.program import run
 from netmq_example.side_channel.environment_parameters_channel import EnvironmentParametersChannel
 from netmq_example.side_channel.side_channel_manager import SideChannelManager
 from netmq_example.side_channel.stats_side_channel import StatsSideChannel

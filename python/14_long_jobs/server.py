@@ -23,23 +23,12 @@ sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 from work import KINDS
 
+from netmq_example.asking import at_least_one
+from netmq_example.beacon import server_options
 from netmq_example.errors import Error
 from netmq_example.jobs.jobs import Jobs
 from netmq_example.jobs.journal import Journal
-from netmq_example.program import Socket, at_least_one, few_answers_wait, listening, run, seconds, server_options, whole
-
-
-def turn(jobs: Jobs, socket: Socket) -> None:
-    # A wait with a limit: on Windows Ctrl-C is heard only between two waits, and a worker's time may be over.
-    zmq.select([socket, jobs.workers.wake_socket], [], [], 0.1)
-    with contextlib.suppress(zmq.Again):
-        # Not until there are no more: the workers have their turn, too.
-        for _ in range(100):
-            client, *frames = socket.recv_multipart(zmq.NOBLOCK)
-            jobs.answer(client, frames)
-    for client, news in jobs.turn():
-        # This never waits: ROUTER drops what is for a client that has gone, or does not read: it asks again.
-        socket.send_multipart([client, *news.frames()])
+from netmq_example.program import few_answers_wait, listening, run, seconds, whole
 
 
 def reached(jobs: Jobs, place: int) -> set[str]:
@@ -65,7 +54,7 @@ def main() -> None:
     before = reached(jobs, options.crash_on)
     with contextlib.closing(jobs), listening(zmq.ROUTER, options, prepare=few_answers_wait) as socket:
         while True:
-            turn(jobs, socket)
+            jobs.exchange(socket)
             if options.crash_on and reached(jobs, options.crash_on) - before:
                 os._exit(1)
 

@@ -14,7 +14,9 @@ from pathlib import Path
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.program import at_least_one, client_options, printable, run, whole, wrong_usage
+from netmq_example.asking import at_least_one, client_options, wrong_usage
+from netmq_example.console import printable
+from netmq_example.program import run, whole
 from netmq_example.security.requester import ClientKeys, SecureRequester
 
 

@@ -18,7 +18,9 @@ import sys
 from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
-from netmq_example.program import Options, client_endpoint, importing, positive_seconds, run, server_endpoint
+from netmq_example.asking import client_endpoint, positive_seconds
+from netmq_example.extras import importing
+from netmq_example.program import Options, run, server_endpoint
 from netmq_example.security.requester import client_keys
 
 with importing("aiohttp and python-socketio; kit.py run 16 installs them"):

@@ -19,7 +19,9 @@ from pathlib import Path
 from typing import Any
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
-from netmq_example.program import at_least_one, importing, run, whole
+from netmq_example.asking import at_least_one
+from netmq_example.extras import importing
+from netmq_example.program import run, whole
 
 # Otherwise Ray tells its makers how it is used.
 os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")

@@ -13,7 +13,9 @@ from pathlib import Path
 from typing import Any
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
-from netmq_example.program import client_endpoint, importing, positive_seconds, run
+from netmq_example.asking import client_endpoint, positive_seconds
+from netmq_example.extras import importing
+from netmq_example.program import run
 from netmq_example.security.requester import ClientKeys
 
 with importing("gymnasium; kit.py run 17 installs it", stopped="stopped"):

@@ -13,8 +13,9 @@ import time
 from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
+from netmq_example.asking import client_options
 from netmq_example.body.listener import LANDMARKS, BodyListener, BodyPose
-from netmq_example.program import client_options, run, seconds, whole
+from netmq_example.program import run, seconds, whole
 
 # MediaPipe's numbers of three landmarks, which make an angle.
 RIGHT_KNEE = (24, 26, 28)

@@ -14,8 +14,10 @@ from pathlib import Path
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 from speech import Speech, a_prompt, ask
 
+from netmq_example.asking import at_least_one, client_options
+from netmq_example.console import printable
 from netmq_example.jobs.client import JobClient
-from netmq_example.program import at_least_one, client_options, option, printable, run, whole
+from netmq_example.program import option, run, whole
 
 
 def main() -> None:

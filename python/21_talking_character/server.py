@@ -19,11 +19,13 @@ sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 from small_talk import small_talk
 
-from netmq_example import check
+from netmq_example import arguments
+from netmq_example.asking import wrong_usage
+from netmq_example.beacon import server_options
 from netmq_example.jobs.jobs import Jobs
 from netmq_example.jobs.journal import Journal
 from netmq_example.jobs.work import Kind
-from netmq_example.program import few_answers_wait, listening, option, run, seconds, server_options, wrong_usage
+from netmq_example.program import few_answers_wait, listening, option, run, seconds
 from netmq_example.talk.ollama import address, ollama_talk
 
 
@@ -34,7 +36,9 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0, help="another one says something else")
     parser.add_argument("--delay", type=seconds, default=0.05, help="seconds for each word")
     parser.add_argument("--ollama", type=lambda text: option(address, text, str), metavar="URL", help="a real model")
-    parser.add_argument("--model", type=lambda text: option(check.text, text, str), default="llama3.2", help="its name")
+    parser.add_argument(
+        "--model", type=lambda text: option(arguments.text, text, str), default="llama3.2", help="its name"
+    )
     options = parser.parse_args()
     talk = functools.partial(small_talk, delay=options.delay, seed=options.seed)
     if options.ollama:
@@ -44,16 +48,7 @@ def main() -> None:
         jobs = Jobs(Journal(options.journal), {"talk": Kind(talk, most=1000)}, options.workers)
     with contextlib.closing(jobs), listening(zmq.ROUTER, options, prepare=few_answers_wait) as socket:
         while True:
-            # A wait with a limit: on Windows Ctrl-C is heard only between two waits, and a worker's time may be over.
-            zmq.select([socket, jobs.workers.wake_socket], [], [], 0.1)
-            with contextlib.suppress(zmq.Again):
-                # Not until there are no more: the workers have their turn, too.
-                for _ in range(100):
-                    client, *frames = socket.recv_multipart(zmq.NOBLOCK)
-                    jobs.answer(client, frames)
-            for client, news in jobs.turn():
-                # This never waits: ROUTER drops what is for a client that has gone, or does not read: it asks again.
-                socket.send_multipart([client, *news.frames()])
+            jobs.exchange(socket)
 
 
 if __name__ == "__main__":

@@ -2,10 +2,12 @@
 
     from netmq_example import BackgroundClient, serve
 
-A name is loaded when it is first used. All of them need pyzmq alone; `Array.numpy` and `Array.of` need numpy. Others
-are at doors of their own: netmq_example.envs, .sb3, .video, .camera, .security and .program.
+A name is loaded when it is first used; front_door.py has them all. All of them need pyzmq alone; `Array.numpy` and
+`Array.of` need numpy. Others are at doors of their own: netmq_example.envs, .sb3, .video, .camera, .security and
+.program.
 """
 
+import importlib.util
 import sys
 from typing import TYPE_CHECKING
 
@@ -15,74 +17,18 @@ if sys.version_info < (3, 11):
         " and then open a new terminal" % sys.version_info[:2]
     )
 
-from netmq_example.doors import door
+__version__ = "0.3.0"
 
 if TYPE_CHECKING:
-    from netmq_example.background_client import BackgroundClient
-    from netmq_example.camera.client import Action, DriverClient
-    from netmq_example.errors import Closed, Error, Lost, MessageError, Refused, Timeout
-    from netmq_example.jobs.client import JobClient
-    from netmq_example.jobs.jobs import Jobs
-    from netmq_example.journal import Journal
-    from netmq_example.lazy_pirate import LazyPirate
-    from netmq_example.many_requester import ManyRequester
-    from netmq_example.message_requester import MessageRequester
-    from netmq_example.messages import Array, Message, message_reply
-    from netmq_example.pose_stream import Pose, PosePublisher, PoseSubscriber
-    from netmq_example.publisher import Publisher
-    from netmq_example.replies import json_answer, reply_to
-    from netmq_example.server import Server, serve
-    from netmq_example.topic_listener import TopicListener
+    from netmq_example.front_door import *  # noqa: F403, a type checker has all of them.
+    from netmq_example.front_door import __all__ as __all__
+else:
 
-__version__ = "0.3.0"
-__all__ = [
-    "Action",
-    "Array",
-    "BackgroundClient",
-    "Closed",
-    "DriverClient",
-    "Error",
-    "JobClient",
-    "Jobs",
-    "Journal",
-    "LazyPirate",
-    "Lost",
-    "ManyRequester",
-    "Message",
-    "MessageError",
-    "MessageRequester",
-    "Pose",
-    "PosePublisher",
-    "PoseSubscriber",
-    "Publisher",
-    "Refused",
-    "Server",
-    "Timeout",
-    "TopicListener",
-    "__version__",
-    "json_answer",
-    "message_reply",
-    "reply_to",
-    "serve",
-]
+    def __getattr__(name):
+        if importlib.util.find_spec(f"netmq_example.{name}"):
+            # It is a module: `from netmq_example import check` asks here before it imports one.
+            raise AttributeError(name)
+        return getattr(importlib.import_module("netmq_example.front_door"), name)
 
-# Hidden from a type checker, to which any name would exist.
-if not TYPE_CHECKING:
-    ROOMS = {
-        "background_client": "BackgroundClient",
-        "camera.client": "Action DriverClient",
-        "errors": "Closed Error Lost MessageError Refused Timeout",
-        "jobs.client": "JobClient",
-        "jobs.jobs": "Jobs",
-        "journal": "Journal",
-        "lazy_pirate": "LazyPirate",
-        "many_requester": "ManyRequester",
-        "message_requester": "MessageRequester",
-        "messages": "Array Message message_reply",
-        "pose_stream": "Pose PosePublisher PoseSubscriber",
-        "publisher": "Publisher",
-        "replies": "json_answer reply_to",
-        "server": "Server serve",
-        "topic_listener": "TopicListener",
-    }
-    __getattr__, __dir__ = door(__name__, ROOMS)
+    def __dir__():
+        return [*globals(), *__getattr__("__all__")]

@@ -27,7 +27,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import NamedTuple
 
-from netmq_example import check
+from netmq_example import arguments, check
 from netmq_example.errors import Closed, Timeout
 from netmq_example.finalizers import finalizer
 from netmq_example.former import positional
@@ -137,7 +137,7 @@ class BackgroundClient(OneProcess):
         """
         self.check_process()
         asked = Asked(check.instance("text", text, str), refusable=False)
-        call = (check.function("reply", reply), check.function("error", error))
+        call = (arguments.function("reply", reply), arguments.function("error", error))
         with self.gate:
             if not self.end.alive or self.under_way >= self.capacity:
                 return False
@@ -167,7 +167,7 @@ class BackgroundClient(OneProcess):
     def enqueue(self, text: str, within: float | None) -> Asked:
         self.check_process()
         encoded(text)
-        asked = Asked(text, time.monotonic() + (math.inf if within is None else check.seconds("within", within)))
+        asked = Asked(text, time.monotonic() + (math.inf if within is None else arguments.seconds("within", within)))
         with self.gate:
             if self.end.alive:
                 self.waiting.put(asked)

@@ -1,31 +1,15 @@
 """Rules that many classes share for what they are given. One line says what is wrong with it: ValueError or TypeError.
 
-self.timeout = check.seconds("timeout", timeout)
 self.tries = check.count("tries", tries)
 """
 
 import math
 import re
-from collections.abc import Iterable
-from pathlib import Path
 from typing import Any, TypeVar
 
 T = TypeVar("T")
 
 DAY = 86_400
-# What became of gymize's words.
-GYMIZES = {
-    "agent_names": "several agents are the keys of observation_spaces, and a single one is agent_name",
-    "update_seconds": "leave it out",
-    "reward_range": "leave it out",
-}
-
-
-def seconds(name: str, value: Any, least: float = 0.0) -> float:
-    """A number of seconds, more than `least` and at most a day."""
-    if is_number(value) and least < value <= DAY:
-        return float(value)
-    raise ValueError(f"{name} takes seconds, more than {least:g} and at most a day, not {value!r:.40}")
 
 
 def seconds_or_none(name: str, value: Any) -> float:
@@ -42,14 +26,6 @@ def count(name: str, value: Any, least: int = 1, most: int = 2**31 - 1) -> int:
     raise ValueError(f"{name} takes a whole number from {least} to {most}, not {value!r:.40}")
 
 
-def number(name: str, value: Any, least: float = -math.inf, most: float = math.inf) -> float:
-    """A finite number from `least` to `most`."""
-    if is_number(value) and least <= value <= most:
-        return float(value)
-    within = "" if math.isinf(least) and math.isinf(most) else f" from {least:g} to {most:g}"
-    raise ValueError(f"{name} takes a number{within}, not {value!r:.40}")
-
-
 def is_number(value: Any) -> bool:
     """Also one of numpy's; NaN, infinity, a bool and an array of one number are none."""
     # Whether float() takes such an array, numpy's versions do not agree.
@@ -61,13 +37,6 @@ def is_number(value: Any) -> bool:
         return False
 
 
-def text(name: str, value: Any) -> str:
-    """A text that is not empty."""
-    if isinstance(value, str) and value:
-        return value
-    raise ValueError(f"{name} takes a text that is not empty, not {value!r:.40}")
-
-
 def instance(name: str, value: T, *kinds: Any) -> T:
     """Something of one of these classes; Callable and None's own class may be among them."""
     if isinstance(value, kinds):
@@ -75,51 +44,6 @@ def instance(name: str, value: T, *kinds: Any) -> T:
     words = " or ".join("None" if kind is type(None) else kind.__name__ for kind in kinds)
     article = "an" if words[0].lower() in "aeio" else "a"
     raise TypeError(f"{name} takes {article} {words}, not {value!r:.40}")
-
-
-def blocking(name: str, value: T, *kinds: Any) -> T:
-    """The same for a context or a socket. Those of zmq.asyncio derive from pyzmq's own, but their calls do not wait."""
-    if any(kind.__module__ == "zmq.asyncio" for kind in type(value).__mro__):
-        raise TypeError(f"{name} is one of zmq.asyncio: take one of zmq, and await its calls by asyncio.to_thread")
-    return instance(name, value, *kinds)
-
-
-def context(value: Any) -> Any:
-    """The caller's zmq.Context, still open, or pyzmq's own for this process."""
-    import zmq
-
-    if value is None:
-        return zmq.Context.instance()
-    return not_closed("context", blocking("context", value, zmq.Context))
-
-
-def keys(value: T, method: str = "apply", made: str = "ClientKeys(folder)") -> T:
-    """What netmq_example.security makes of a folder, or None."""
-    if value is None or hasattr(value, method):
-        return value
-    raise TypeError(f"keys takes {made} of netmq_example.security, not {value!r:.40}")
-
-
-def function(name: str, value: T) -> T:
-    """Something that can be called."""
-    if callable(value):
-        return value
-    raise TypeError(f"{name} takes a function, not {value!r:.40}")
-
-
-def not_closed(name: str, value: T) -> T:
-    """A socket, a context or the like that is still open: libzmq's own words for it do not say so."""
-    if value.closed:  # type: ignore[attr-defined]
-        raise ValueError(f"{name} is closed: make a new one")
-    return value
-
-
-def data(name: str, value: Any) -> bytes:
-    """Bytes, or a copy of what holds them: a bytearray, an array. bytes(5) would be five zeros."""
-    try:
-        return memoryview(value).tobytes()
-    except TypeError:
-        raise TypeError(f"{name} takes bytes, not {value!r:.40}") from None
 
 
 def endpoint(value: Any, example: str, lowest_port: int = 1, beacon: bool = False) -> str:
@@ -136,18 +60,3 @@ def endpoint(value: Any, example: str, lowest_port: int = 1, beacon: bool = Fals
     if port and lowest_port <= int(port[1].replace("*", "0")) <= 65535:
         return str(value)
     raise ValueError(f"bad endpoint '{value!s:.80}': write it like {example}, port {lowest_port} to 65535")
-
-
-def regular_file(path: Path, most: int) -> Path:
-    """A file of at most so many bytes, or OSError: a pipe or a device may have no end."""
-    if path.stat().st_size > most or not path.is_file():
-        raise OSError(f"{path.name!r:.80} must be a regular file of at most {most} bytes")
-    return path
-
-
-def no_others(words: Iterable[str]) -> None:
-    """An environment takes no words but its own."""
-    known = "where its simulator is, say endpoint, launch, wait, timeout and socket"
-    cures = dict.fromkeys(GYMIZES.get(word, known) for word in words)
-    if cures:
-        raise TypeError(f"an environment takes no {', '.join(words)}; {'; '.join(cures)}")

@@ -1,24 +1,42 @@
-"""What a program prints, and where to: a server goes on whatever becomes of that.
+"""A program and its terminal: the lines that it prints, and Ctrl-C.
 
     sys.stdout = unhindered(sys.stdout)
+    listen(signal.SIGINT)
 
-A full disk, a pipe that is closed, and one that nobody reads cost lines, and never the server. It needs only Python.
+A server goes on whatever becomes of its lines: a full disk, a pipe that is closed, and one that nobody reads cost
+lines, and never the server.
+
+Ctrl-C is raised as KeyboardInterrupt, but not where that would do harm. Python calls a handler between any two steps of
+the main thread. An exception there while pyzmq makes a socket leaves one that nobody closes, for which the end of its
+context then waits for ever. In a callback of the interpreter's own it is dropped, and the program goes on. In a write
+of ours it has the line written twice. So there the signal comes again a moment later.
 """
 
+import _thread
+import contextlib
 import io
 import logging
 import os
 import select
+import signal
 import stat
 import sys
+import threading
 import traceback
+from pathlib import Path
+from types import FrameType
 from typing import Any
+
+import zmq
+
+AGAIN_SECONDS = 0.01
+PYZMQ = str(Path(zmq.__file__).parent)
 
 
 class Lines(io.FileIO):
     """What a server prints. A pipe that nobody reads would soon hold the server up for ever."""
 
-    patience = 0.5
+    wait_seconds = 0.5
     before: Any = None
 
     def write(self, data: Any) -> int:
@@ -32,9 +50,9 @@ class Lines(io.FileIO):
         # On Windows only its reader can keep a pipe from being full.
         if sys.platform == "win32" or not stat.S_ISFIFO(os.fstat(self.fileno()).st_mode):
             return True
-        _, room, _ = select.select([], [self], [], self.patience)
+        _, room, _ = select.select([], [self], [], self.wait_seconds)
         # Once it was waited for in vain, the next lines do not wait.
-        self.patience = Lines.patience if room else 0
+        self.wait_seconds = Lines.wait_seconds if room else 0
         return bool(room)
 
 
@@ -79,3 +97,61 @@ def log_lines() -> None:
     log = logging.getLogger("netmq_example")
     log.handlers = [each for each in log.handlers if not isinstance(each, LogLines)] + [LogLines()]
     log.setLevel(logging.INFO)
+
+
+def listen(*signals: int) -> None:
+    """From now on these end the program. In another thread they stay the business of the main one."""
+    if threading.current_thread() is not threading.main_thread():
+        return
+    for number in signals:
+        signal.signal(number, interrupt)
+
+
+def interrupt(number: int, frame: FrameType | None) -> None:
+    """The handler; `frame` is what it interrupts."""
+    if frame and (is_dropped(frame) or is_within(frame)):
+        later(number)
+    else:
+        raise KeyboardInterrupt
+
+
+def later(number: int) -> None:
+    # At the end of the interpreter no thread can be started any more; and the program ends.
+    with contextlib.suppress(RuntimeError):
+        threading.Timer(AGAIN_SECONDS, again, [number]).start()
+
+
+def again(number: int) -> None:
+    # A signal of the system's ends a wait too. On Windows there is none, and the programs' waits are short.
+    if sys.platform == "win32":
+        _thread.interrupt_main(number)
+    else:
+        signal.pthread_kill(threading.main_thread().ident or 0, number)
+
+
+def at_eof() -> None:
+    """Ctrl-C, as soon as nobody can write to standard input: who started this program closed it, or is gone."""
+    try:
+        while os.read(0, 4096):
+            pass
+    except OSError:
+        # There is none.
+        pass
+    again(signal.SIGINT)
+
+
+def is_dropped(frame: FrameType) -> bool:
+    """Whether nobody would hear of an exception: in a destructor, or where the import system tidies up."""
+    return frame.f_code.co_name == "__del__" or frame.f_code.co_qualname.startswith("_get_module_lock")
+
+
+def is_within(frame: FrameType | None) -> bool:
+    """Whether pyzmq is making a context or a socket, or a line is being written."""
+    while frame:
+        code = frame.f_code
+        if code.co_filename.startswith(PYZMQ) and code.co_name in ("socket", "__init__", "__new__"):
+            return True
+        if code is Lines.write.__code__:
+            return True
+        frame = frame.f_back
+    return False

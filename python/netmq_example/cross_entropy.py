@@ -16,7 +16,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 
-from netmq_example import check
+from netmq_example import arguments, check
 from netmq_example.errors import Lost
 
 # Of an episode, at most; and the mean of a generation that is good enough.
@@ -50,7 +50,7 @@ def play(env: gymnasium.Env[Any, Any], policy: Any, seed: int) -> int:
 
 def train(play_all: Callable[[list[Episode]], list[int]], seed: int, generations: int) -> list[float]:
     """The means of the generations, until one is good enough; logs a line for each."""
-    check.function("play_all", play_all)
+    arguments.function("play_all", play_all)
     random = np.random.default_rng(check.count("seed", seed, least=0))
     check.count("generations", generations, least=0)
     begin = time.monotonic()

@@ -11,12 +11,6 @@
 All of them can be pickled. A program that ends by one prints its text, and its exit code is 1.
 """
 
-import shlex
-import subprocess
-import sys
-import warnings
-from typing import TYPE_CHECKING, Any
-
 
 class Error(Exception):
     """What the kit raises about the other side or the network; its text names cause and cure."""
@@ -45,10 +39,6 @@ class ListenError(Error, OSError):
 class Coded(Error):
     """An error with a code for programs, a text for people, and the id of a message, 0 where it has none."""
 
-    code: str
-    text: str
-    id: int
-
     def __init__(self, code: str, text: str = "", id: int = 0) -> None:
         whole = f"{code}: {text}" if text else str(code)
         if not text:
@@ -67,36 +57,3 @@ class Refused(Coded):
 
 class MessageError(Coded, ValueError):
     """Bytes or a Message that break the standard: a `code`, a `text`, and the message's `id` where it has one."""
-
-
-def tried(count: int) -> str:
-    """How often, in words."""
-    return "1 try" if count == 1 else f"{count} tries"
-
-
-def longer(first: float, tries: int) -> float:
-    """How long to wait after so many tries in vain: each time twice as long, up to 8 times the first.
-
-    A new connection takes several round trips. On a slow line only a longer wait ever succeeds.
-    """
-    return first * 2.0 ** min(tries, 3)
-
-
-def pip_install(*words: str) -> str:
-    """The command that installs these for the Python that runs this."""
-    return shell(sys.executable, "-m", "pip", "install", *words)
-
-
-def shell(*words: str) -> str:
-    """A command as this system's shell takes it."""
-    return subprocess.list2cmdline(words) if sys.platform == "win32" else shlex.join(words)
-
-
-# Hidden from a type checker, to which any name would exist.
-if not TYPE_CHECKING:
-
-    def __getattr__(name: str) -> Any:
-        if name == "GaveUp":
-            warnings.warn("GaveUp is netmq_example.Error now, and ends", DeprecationWarning, stacklevel=2)
-            return Error
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

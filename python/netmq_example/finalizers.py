@@ -12,7 +12,7 @@ import weakref
 from collections.abc import Callable
 from typing import Any
 
-from netmq_example.interrupts import later
+from netmq_example.console import later
 
 
 def finalizer(owner: object, function: Callable[..., object], *words: Any) -> "weakref.finalize[..., object]":

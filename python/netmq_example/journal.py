@@ -14,11 +14,11 @@ import sqlite3
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from netmq_example import check
+from netmq_example import arguments, check
 from netmq_example.errors import Error
 from netmq_example.one_process import OneProcess
-from netmq_example.replies import sendable, told
-from netmq_example.trouble import ends_program
+from netmq_example.program import sendable
+from netmq_example.trouble import ends_program, told
 
 # FULL: a commit is on the disk when it returns. NORMAL would survive kill -9 too, but not a power cut.
 SCHEMA = """
@@ -88,7 +88,7 @@ class Journal(OneProcess):
         try:
             with self.db:
                 # An empty reply would look like none.
-                reply = check.text("reply", answer(self.db, text))
+                reply = arguments.text("reply", answer(self.db, text))
                 # Before it is written down: no client would ever get it.
                 sendable(reply)
                 # A mistake may be asked again. Were it written down, a flood of mistakes would drive out what was done.

@@ -16,12 +16,15 @@ from collections.abc import Callable
 
 import zmq
 
-from netmq_example import check
-from netmq_example.beacon import LOOK_UP_SECONDS, BeaconSearch
-from netmq_example.errors import Closed, Refused, Timeout, longer, tried
+from netmq_example import arguments, check
+from netmq_example.asking import LOOK_UP_SECONDS
+from netmq_example.beacon import BeaconSearch
+from netmq_example.console import printable
+from netmq_example.errors import Closed, Refused, Timeout
 from netmq_example.former import positional
 from netmq_example.one_process import Keys, OneProcess, one_at_a_time
-from netmq_example.program import Context, Socket, encoded, limit, printable, text_of
+from netmq_example.program import Context, Socket, encoded, limit, text_of
+from netmq_example.retries import longer, tried
 
 # The longest wait in one piece, in milliseconds: between two of them stop() is noticed and, on Windows, Ctrl-C.
 SLICE_MS = 50
@@ -50,10 +53,10 @@ class LazyPirate(OneProcess):
         """
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5552", beacon=True)
         self.search = BeaconSearch(endpoint)
-        self.timeout = check.seconds("timeout", timeout)
+        self.timeout = arguments.seconds("timeout", timeout)
         self.tries = check.count("tries", tries)
-        self.keys = check.keys(keys)
-        self.context = check.context(context)
+        self.keys = arguments.keys(keys)
+        self.context = arguments.context(context)
         self.report = log.warning
         # An id must never come twice, whoever else asks and however often this program starts: hence the uuid.
         self.name = uuid.uuid4().hex
@@ -67,7 +70,7 @@ class LazyPirate(OneProcess):
         All tries together take at most `within` seconds. Timeout: no try was answered, but it may be done.
         MessageError: it is too long. Closed: stop() or close() ended it.
         """
-        end = time.monotonic() + (math.inf if within is None else check.seconds("within", within))
+        end = time.monotonic() + (math.inf if within is None else arguments.seconds("within", within))
         return self.request_until(text, lambda: end)
 
     @one_at_a_time
@@ -75,7 +78,7 @@ class LazyPirate(OneProcess):
         """The same until a time of time.monotonic() that may come nearer meanwhile."""
         began = time.monotonic()
         if not self.stopped.is_set():
-            check.not_closed("context", self.context)
+            arguments.not_closed("context", self.context)
         self.number += 1
         request = [f"{self.number}-{self.name}".encode(), encoded(text)]
         attempt = 1

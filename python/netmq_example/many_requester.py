@@ -19,13 +19,14 @@ from typing import NamedTuple
 
 import zmq
 
-from netmq_example import check
-from netmq_example.beacon import cure
-from netmq_example.errors import Error, MessageError, Timeout, longer, tried
+from netmq_example import arguments, check
+from netmq_example.asking import cure
+from netmq_example.errors import Error, MessageError, Timeout
 from netmq_example.former import positional
 from netmq_example.lazy_pirate import refused
 from netmq_example.one_process import Keys, OneProcess, one_at_a_time
 from netmq_example.program import LARGEST_BYTES, Context, limit, text_of
+from netmq_example.retries import longer, tried
 
 # The deadlines are checked this often. Shorter would cost more. Longer, and Ctrl-C would have to wait on Windows.
 SLICE_SECONDS = 0.05
@@ -76,12 +77,12 @@ class ManyRequester(OneProcess):
 
         Each retry is logged as a warning. Without a context it takes pyzmq's own, zmq.Context.instance().
         """
-        self.context: Context = check.context(context)
+        self.context: Context = arguments.context(context)
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5556")
         self.window = check.count("window", window)
-        self.timeout = check.seconds("timeout", timeout)
+        self.timeout = arguments.seconds("timeout", timeout)
         self.tries = check.count("tries", tries)
-        self.keys = check.keys(keys)
+        self.keys = arguments.keys(keys)
         self.report = log.warning
         # What is under way, by its id.
         self.pending: dict[bytes, Pending] = {}
@@ -114,7 +115,7 @@ class ManyRequester(OneProcess):
         It takes the next text when there is room for it, so `texts` may be endless; but what makes them must not wait:
         no reply is read meanwhile.
         """
-        check.not_closed("this requester", self.socket)
+        arguments.not_closed("this requester", self.socket)
         if isinstance(texts, str) or not isinstance(texts, Iterable):
             raise TypeError(f"texts takes a list of texts, not {texts!r:.40}")
         return self.outcomes(texts)

@@ -11,13 +11,14 @@ import time
 
 import zmq
 
-from netmq_example import check
+from netmq_example import arguments, check
 from netmq_example.beacon import BeaconSearch
-from netmq_example.errors import Closed, Timeout, longer, tried
+from netmq_example.errors import Closed, Timeout
 from netmq_example.lazy_pirate import PAUSE_SECONDS
 from netmq_example.messages import LIMIT, Message
 from netmq_example.one_process import Keys, OneProcess, one_at_a_time
 from netmq_example.program import SLICE_MS, Context, Socket, limit
+from netmq_example.retries import longer, tried
 
 log = logging.getLogger("netmq_example.client")
 
@@ -40,10 +41,10 @@ class MessageRequester(OneProcess):
         """
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5555", beacon=True)
         self.search = BeaconSearch(endpoint)
-        self.timeout = check.seconds("timeout", timeout)
+        self.timeout = arguments.seconds("timeout", timeout)
         self.tries = check.count("tries", tries)
-        self.keys = check.keys(keys)
-        self.context: Context = check.context(context)
+        self.keys = arguments.keys(keys)
+        self.context: Context = arguments.context(context)
         self.socket: Socket | None = None
         self.closed = False
 
@@ -55,7 +56,7 @@ class MessageRequester(OneProcess):
         """
         if self.closed:
             raise Closed("this requester is closed: make a new one")
-        check.not_closed("context", self.context)
+        arguments.not_closed("context", self.context)
         frames = check.instance("request", request, Message).frames()
         for attempt in range(1, self.tries + 1):
             timeout = longer(self.timeout, attempt - 1)

@@ -23,8 +23,8 @@ from typing import NamedTuple
 
 import zmq
 
-from netmq_example import check
-from netmq_example.beacon import cure
+from netmq_example import arguments, check
+from netmq_example.asking import cure
 from netmq_example.errors import Error, Timeout
 from netmq_example.former import positional
 from netmq_example.one_process import Keys, OneProcess
@@ -54,7 +54,7 @@ class PosePublisher:
     def __init__(self, *, run: str | None = None) -> None:
         """`run` has 1 to 32 small letters and digits, new with each start: by default it is random."""
         # By the run, number 5 of now differs from number 5 of then.
-        self.run = secrets.token_hex(4) if run is None else check.text("run", run)
+        self.run = secrets.token_hex(4) if run is None else arguments.text("run", run)
         self.number = 0
         self.message = ""
         # The checksum stands for any state to which each message adds: one lost or taken twice, and it is another.
@@ -62,8 +62,8 @@ class PosePublisher:
 
     def step(self, position: Sequence[float], rotation: Sequence[float]) -> str:
         """The next message, counted in: a position x y z in metres, and a rotation as a quaternion x y z w."""
-        numbers = [check.number("position", value) for value in position]
-        numbers += [check.number("rotation", value) for value in rotation]
+        numbers = [arguments.number("position", value) for value in position]
+        numbers += [arguments.number("rotation", value) for value in rotation]
         if len(position) != 3 or len(rotation) != 4:
             raise ValueError(f"a pose has 3 and 4 numbers, not {len(position)} and {len(rotation)}")
         self.number += 1
@@ -139,11 +139,11 @@ class PoseSubscriber(OneProcess):
         """
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5557")
         self.snapshots = check.endpoint(snapshots or snapshots_beside(endpoint), "tcp://127.0.0.1:5657")
-        self.timeout = check.seconds("timeout", timeout)
+        self.timeout = arguments.seconds("timeout", timeout)
         self.own_stream = stream is None
-        stream = check.context(context).socket(zmq.SUB) if stream is None else stream
-        self.stream: Socket = check.blocking("stream", stream, zmq.Socket)
-        self.keys = check.keys(keys)
+        stream = arguments.context(context).socket(zmq.SUB) if stream is None else stream
+        self.stream: Socket = arguments.blocking("stream", stream, zmq.Socket)
+        self.keys = arguments.keys(keys)
         if stream.type != zmq.SUB:
             raise ValueError(f"stream takes a SUB socket, not {stream.type!s:.40}")
         self.report = log.info
@@ -166,7 +166,7 @@ class PoseSubscriber(OneProcess):
         Timeout: the publisher is gone. Error: what answers there gives no snapshots.
         """
         self.check_process()
-        timeout = self.timeout if timeout is None else check.seconds("timeout", timeout)
+        timeout = self.timeout if timeout is None else arguments.seconds("timeout", timeout)
         end = time.monotonic() + 1
         while time.monotonic() < end:
             message = take(self.stream, SILENCE_SECONDS)

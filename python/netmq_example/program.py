@@ -4,11 +4,11 @@
         options = server_options(__doc__, "tcp://127.0.0.1:5551").parse_args()
         with listening(zmq.REP, options) as socket:             binds, and prints: listening on tcp://127.0.0.1:5551
             while True:
-                socket.send_multipart(receive(socket))
+                socket.send(reply_to(answer, receive(socket)[0]))
 
     run(main)
 
-A client has client_options, connected and run(main, stopped="stopped"). Shared/NetMQConnection.cs is its C# version.
+A client has asking.py besides. Shared/NetMQConnection.cs is the C# version of both.
 """
 
 import argparse
@@ -19,71 +19,19 @@ import os
 import re
 import signal
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from typing import Any, TypeVar
 
 import zmq
 
-from netmq_example import check, interrupts
-from netmq_example.beacon import answering, cure
-from netmq_example.console import log_lines, printable, show, unhindered
-from netmq_example.errors import Error, ListenError, MessageError, Timeout
-from netmq_example.options import (
-    Options,
-    a_name,
-    at_least_one,
-    client_endpoint,
-    client_options,
-    option,
-    positive_seconds,
-    seconds,
-    server_endpoint,
-    server_options,
-    whole,
-    wrong_usage,
-)
-
-__all__ = [
-    "LARGEST_BYTES",
-    "SLICE_MS",
-    "Context",
-    "Options",
-    "Socket",
-    "a_name",
-    "at_least_one",
-    "bind",
-    "client_endpoint",
-    "client_options",
-    "connected",
-    "encoded",
-    "few_answers_wait",
-    "importing",
-    "limit",
-    "listening",
-    "more_files",
-    "not_for_anyone",
-    "option",
-    "positive_seconds",
-    "printable",
-    "receive",
-    "receive_frames",
-    "run",
-    "seconds",
-    "server_endpoint",
-    "server_options",
-    "show",
-    "text_of",
-    "whole",
-    "wrong_usage",
-]
+from netmq_example import check, console
+from netmq_example.errors import Error, ListenError, MessageError
 
 Context = zmq.Context[zmq.Socket[bytes]]
 Socket = zmq.Socket[bytes]
 T = TypeVar("T")
-
-if sys.platform != "win32":
-    import resource
 
 # The longest wait in one piece, in milliseconds: on Windows Ctrl-C is heard only between two waits.
 SLICE_MS = 200
@@ -91,13 +39,71 @@ SLICE_MS = 200
 LARGEST_BYTES = 65_536
 # What waits on a connection to be read, or two messages: ZeroMQ itself counts only messages, up to 1000.
 WAITING_BYTES = 64 * 1024 * 1024
-# More open files than that no program of this kit needs.
+# No program of this kit needs more open files; and with fewer than the least libzmq ends it without a word of ours.
 MOST_FILES = 8192
-# With fewer libzmq ends a program in the middle of its work, without a word of ours.
 LEAST_FILES = 32
 # The port is taken, most often by an older start of the same server.
 IN_USE = "end the server that has it in another terminal"
 LOOPBACK = re.compile(r"tcp://(localhost|127\.[\d.]+):|(ipc|inproc)://")
+
+
+class Options(argparse.ArgumentParser):
+    """In a thread of another program, or in a notebook, a server has its defaults: the words are that program's."""
+
+    def parse_args(self, words: Any = None, namespace: Any = None) -> Any:
+        # A notebook has no file, and the words are those of its kernel. What python -c runs has its own.
+        is_program = hasattr(sys.modules["__main__"], "__file__") or sys.argv[:1] == ["-c"]
+        if words is None and not (is_program and threading.current_thread() is threading.main_thread()):
+            words = []
+        found = super().parse_args(words, namespace)
+        if getattr(found, "until_eof", False):
+            threading.Thread(target=console.at_eof, daemon=True).start()
+        return found
+
+
+def server_options(about: str | None, endpoint: str) -> argparse.ArgumentParser:
+    """The options of every server. `about` is the program's docstring, whose first line its --help shows."""
+    parser = Options(description=(about or "").partition("\n")[0])
+    parser.add_argument("--endpoint", type=server_endpoint(endpoint), default=endpoint, help="port 0 takes a free one")
+    parser.add_argument("--open-to-anyone", action="store_true", help="other machines too: each can end the server")
+    parser.add_argument("--until-eof", action="store_true", help="end when standard input does: with what started it")
+    return parser
+
+
+def seconds(text: str) -> float:
+    """From 0 to a day."""
+    return option(check.seconds_or_none, text, float)
+
+
+def whole(text: str) -> int:
+    """A whole number, 0 or more."""
+    return option(lambda name, value: check.count(name, value, least=0), text, int)
+
+
+def option(rule: Callable[[str, Any], T], text: str, kind: Callable[[str], Any]) -> T:
+    """A text that keeps to this rule of check.py. argparse itself names the option."""
+    value: Any = text
+    with contextlib.suppress(ValueError):
+        value = kind(text)
+    try:
+        return rule("it", value)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+
+
+def server_endpoint(example: str) -> Callable[[str], str]:
+    """The type of an endpoint to bind: port 0 and * stand for a free port."""
+    return lambda text: checked(text, example, lowest_port=0)
+
+
+def checked(text: str, example: str, lowest_port: int, beacon: bool = False) -> str:
+    # With a scheme of its own libzmq would be asked: a program has only what its example has.
+    if not text.startswith((example.partition("//")[0], "beacon:")):
+        raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like {example}")
+    try:
+        return check.endpoint(text, example, lowest_port, beacon)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 @contextlib.contextmanager
@@ -115,6 +121,7 @@ def listening(
     own `endpoint`, and another `word` in its line; without a word there is no line.
     """
     endpoint = endpoint or options.endpoint
+    beacon = getattr(options, "beacon", None) or contextlib.nullcontext
     try:
         not_for_anyone(endpoint, options.open_to_anyone or getattr(options, "keys", None), "add --open-to-anyone")
     except ValueError as error:
@@ -131,7 +138,7 @@ def listening(
             # Printed here: in a thread nobody would hear of it.
             print(error, file=sys.stderr)
             sys.exit(1)
-        with answering(getattr(options, "beacon", None), bound):
+        with beacon(bound):
             if word:
                 print(f"{word} on {bound}", flush=True)
             yield socket
@@ -158,22 +165,6 @@ def bind(socket: Socket, endpoint: str, cure: str = "tcp://127.0.0.1:0 takes a f
     return socket.getsockopt_string(zmq.LAST_ENDPOINT)
 
 
-@contextlib.contextmanager
-def connected(kind: int, options: argparse.Namespace, largest: int = LARGEST_BYTES) -> Iterator[Socket]:
-    """A connected socket of this kind. Timeout says that nothing came, or that there was nowhere to send to."""
-    print(f"asking {options.endpoint}", flush=True)
-    with zmq.Context() as context, context.socket(kind) as socket:
-        limit(socket, largest)
-        # Sending does not wait: without a connection it raises zmq.Again, and queues nothing.
-        socket.rcvtimeo, socket.sndtimeo = SLICE_MS, 0
-        socket.connect(options.endpoint)
-        try:
-            yield socket
-        except zmq.Again:
-            why = cure(options.endpoint, f"is the server running, or its reply over {largest >> 10} KB?")
-            raise Timeout(f"no reply from {options.endpoint} within {options.timeout:g} s; {why}") from None
-
-
 def limit(socket: Socket, largest: int = LARGEST_BYTES) -> None:
     """The limits of every socket: what nobody fetched goes at the end, and neither a frame nor many fill the memory."""
     socket.linger = 0
@@ -185,23 +176,6 @@ def limit(socket: Socket, largest: int = LARGEST_BYTES) -> None:
 def few_answers_wait(context: Context, socket: Socket) -> None:
     """To `prepare` a server with large answers. More are dropped: a client that reads none fills no memory."""
     socket.sndhwm = 10
-
-
-def more_files() -> int:
-    """How many files this program may have open from now on. A client of a gateway or a gate takes three: its
-    connection, its ZeroMQ socket, and that one's connection. Often 1024 are allowed."""
-    if sys.platform == "win32":
-        # There is no such limit.
-        return MOST_FILES
-    now, most = resource.getrlimit(resource.RLIMIT_NOFILE)
-    wanted = most if 0 < most < MOST_FILES else MOST_FILES
-    if 0 < now < wanted:
-        try:
-            resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, most))
-        except (ValueError, OSError):
-            # Where it cannot be raised, it stays as it is.
-            return now
-    return wanted
 
 
 def receive(socket: Socket, timeout: float = math.inf) -> list[bytes]:
@@ -241,17 +215,53 @@ def text_of(frame: bytes) -> str:
     return f"({len(frame)} bytes)"
 
 
-@contextlib.contextmanager
-def importing(needs: str, stopped: str | None = None) -> Iterator[None]:
-    """Around the imports of large packages. One that is missing is named with its cure, and Ctrl-C is heard already."""
+def reply_to(answer: Callable[[str], str], request: bytes) -> bytes:
+    """The reply that `answer` gives to a request. A mistake in it is reported to both sides, and ends neither."""
     try:
-        yield
-    except ImportError as error:
-        # Beyond the colon stands how it is installed without the kit.
-        why = str(error).partition(": ")[0] if isinstance(error, ModuleNotFoundError) else error
-        raise SystemExit(f"{why}: this lesson needs {needs}") from None
-    except KeyboardInterrupt:
-        raise SystemExit(stopped) from None
+        return sendable(answer(text_of(request)))
+    except BaseException as error:
+        # Most servers never need it.
+        try:
+            from netmq_example.trouble import told
+        except OSError as lacking:
+            return encoded(f"error: {lacking}")
+        return encoded(told(error))
+
+
+def sendable(text: str) -> bytes:
+    """What `answer` has returned, in UTF-8. Misfit says why it cannot be sent, which may lie in the request."""
+    if not isinstance(text, str):
+        raise Misfit(f"answer returned {text!r:.40}: return a text")
+    try:
+        return encoded(text, "strict")
+    except ValueError as error:
+        raise Misfit(f"answer returned what cannot be sent: {error}") from None
+
+
+class Misfit(KeyError):
+    """A request or a reply is not what was agreed: one line for both sides, and no traceback."""
+
+    # A KeyError's own shows its argument between quotation marks.
+    __str__ = Exception.__str__
+
+
+def more_files() -> int:
+    """How many files this program may have open from now on. A client of a gateway or a gate takes three: its
+    connection, its ZeroMQ socket, and that one's connection. Often 1024 are allowed."""
+    if sys.platform == "win32":
+        # There is no such limit.
+        return MOST_FILES
+    import resource
+
+    now, most = resource.getrlimit(resource.RLIMIT_NOFILE)
+    wanted = most if 0 < most < MOST_FILES else MOST_FILES
+    if 0 < now < wanted:
+        try:
+            resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, most))
+        except (ValueError, OSError):
+            # Where it cannot be raised, it stays as it is.
+            return now
+    return wanted
 
 
 def run(main: Callable[[], None], stopped: str | None = None) -> None:
@@ -260,14 +270,14 @@ def run(main: Callable[[], None], stopped: str | None = None) -> None:
     Its end is `from None`: in a notebook %run shows every error that one was raised from.
     """
     if stopped is None:
-        sys.stdout, sys.stderr = unhindered(sys.stdout), unhindered(sys.stderr)
+        sys.stdout, sys.stderr = console.unhindered(sys.stdout), console.unhindered(sys.stderr)
     # In a pipe Windows would use another encoding, and a character that it lacks would end the program. A program that
     # was started without a console has no output at all.
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(encoding="utf-8", errors="replace")
     # SIGTERM, which kill and process managers send, ends a program as Ctrl-C does; on Windows that is SIGBREAK.
-    interrupts.listen(signal.SIGINT, getattr(signal, "SIGBREAK", signal.SIGTERM))
-    log_lines()
+    console.listen(signal.SIGINT, getattr(signal, "SIGBREAK", signal.SIGTERM))
+    console.log_lines()
     try:
         if (files := more_files()) < LEAST_FILES:
             raise OSError(f"it may open {files} files, and needs {LEAST_FILES}: allow more, as by ulimit -n 1024")
@@ -275,7 +285,7 @@ def run(main: Callable[[], None], stopped: str | None = None) -> None:
     except ListenError as error:
         raise SystemExit(str(error)) from None
     except (TimeoutError, Error) as error:
-        raise SystemExit(f"gave up: {printable(str(error), most=1000)}") from None
+        raise SystemExit(f"gave up: {console.printable(str(error), most=1000)}") from None
     except KeyboardInterrupt:
         raise SystemExit(stopped) from None
     except BrokenPipeError:

@@ -12,7 +12,7 @@ import logging
 
 import zmq
 
-from netmq_example import check
+from netmq_example import arguments, check
 from netmq_example.errors import MessageError
 from netmq_example.messages import Message
 from netmq_example.one_process import OneProcess
@@ -44,7 +44,7 @@ class Publisher(OneProcess):
         not_for_anyone(check.endpoint(endpoint, "tcp://127.0.0.1:5553", lowest_port=0), open_to_anyone)
         with contextlib.ExitStack() as stack:
             # The end of a context of its own waits until the port is free.
-            context = stack.enter_context(zmq.Context()) if context is None else check.context(context)
+            context = stack.enter_context(zmq.Context()) if context is None else arguments.context(context)
             self.socket: Socket = stack.enter_context(context.socket(zmq.PUB))
             limit(self.socket, SUBSCRIPTION_BYTES)
             self.endpoint = bind(self.socket, endpoint)
@@ -54,7 +54,7 @@ class Publisher(OneProcess):
     def send(self, topic: str, body: str | bytes | Message) -> None:
         """Send it to whoever listens to this topic. MessageError: it has a frame that listeners do not take."""
         self.check_process()
-        check.not_closed("this publisher", self.socket)
+        arguments.not_closed("this publisher", self.socket)
         check.instance("topic", topic, str)
         check.instance("body", body, str, bytes, Message)
         if isinstance(body, str):

@@ -1,35 +1,20 @@
-"""A server's replies: `answer` takes a text and returns a text; with `json_answer` a dict and a dict.
+"""Answers that are JSON: with `json_answer`, `answer` takes a dict and returns a dict. And requests with an id.
 
     @json_answer
     def answer(state: dict) -> dict:
         return {"say": f"Hello, {state['name']}!"}
 
-A mistake ends no server: `error: …` is the reply.
+A request that is no such JSON, and a result that cannot be written as one, are answered with `error: …`.
 """
 
 import functools
 import json
-import logging
-import traceback
 from collections.abc import Callable
 from typing import Any
 
 from netmq_example.console import printable
 from netmq_example.json_text import shallow
-from netmq_example.program import encoded, text_of
-from netmq_example.trouble import Trouble, ends_program, shown
-
-log = logging.getLogger("netmq_example.server")
-
-
-def reply_to(answer: Callable[[str], str], request: bytes) -> bytes:
-    """The reply that `answer` gives to a request. A mistake in it is reported to both sides, and ends neither."""
-    try:
-        return sendable(answer(text_of(request)))
-    except BaseException as error:
-        if ends_program(error):
-            raise
-        return encoded(told(error))
+from netmq_example.program import Misfit
 
 
 def id_and_text(frames: list[bytes]) -> tuple[list[bytes], bytes, bytes]:
@@ -43,49 +28,6 @@ def id_and_text(frames: list[bytes]) -> tuple[list[bytes], bytes, bytes]:
     if len(body) == 2 and body[0]:
         return [*way, body[0]], body[0], body[1]
     return way, b"", b" ".join(body)
-
-
-def sendable(text: str) -> bytes:
-    """What `answer` has returned, in UTF-8. Misfit says why it cannot be sent, which may lie in the request."""
-    if not isinstance(text, str):
-        raise Misfit(f"answer returned {text!r:.40}: return a text")
-    try:
-        return encoded(text, "strict")
-    except ValueError as error:
-        raise Misfit(f"answer returned what cannot be sent: {error}") from None
-
-
-# Each mistake that was made, by its place in the code. Each has its own line a second.
-again: dict[tuple[object, ...], Trouble] = {}
-
-
-def told(error: BaseException) -> str:
-    """The reply to a request that an exception has ended, which is also logged.
-
-    With its traceback the first time; then it is a line a second at most, since a client may go on asking.
-    """
-    places = [(frame.f_code.co_filename, line) for frame, line in traceback.walk_tb(error.__traceback__)]
-    # Two servers of one program may fail in the same place, and come there on different ways.
-    mistake = (type(error), *places[:4], places[-1])
-    first = mistake not in again
-    report = again.setdefault(mistake, Trouble(log.error))
-    text = str(error) if isinstance(error, Misfit) else shown(error)
-    if first and not isinstance(error, Misfit):
-        log.error("a mistake in answer", exc_info=error)
-    else:
-        report(text)
-    return f"error: {printable(text, LONGEST_MISTAKE)}"
-
-
-# In characters. A longer reply than the limit would be dropped by the client, with the connection.
-LONGEST_MISTAKE = 1000
-
-
-class Misfit(KeyError):
-    """A request or a reply is not what was agreed: one line for both sides, and no traceback."""
-
-    # A KeyError's own shows its argument between quotation marks.
-    __str__ = Exception.__str__
 
 
 class Fields(dict[str, Any]):

@@ -23,7 +23,7 @@ from typing import Any, Protocol, Self, TypedDict, Unpack
 
 import zmq
 
-from netmq_example import check
+from netmq_example import arguments, check
 from netmq_example.beacon import answering, beacon_name
 from netmq_example.errors import Closed, MessageError
 from netmq_example.finalizers import undisturbed
@@ -39,9 +39,10 @@ from netmq_example.program import (
     few_answers_wait,
     limit,
     not_for_anyone,
+    reply_to,
     text_of,
 )
-from netmq_example.replies import id_and_text, reply_to
+from netmq_example.replies import id_and_text
 from netmq_example.worker_threads import WorkerThreads
 
 # So many requests are read at a time, and so many may be at work or wait for a worker. More are refused at once.
@@ -93,10 +94,10 @@ class Server(OneProcess):
         Only programs of this machine may ask, unless there are `keys`, or it is `open_to_anyone`; by its `beacon`'s
         name clients can look for it.
         """
-        self.answer: Any = check.function("answer", answer)
+        self.answer: Any = arguments.function("answer", answer)
         self.messages = messages
         self.remember = check.count("remember", remember, least=0)
-        self.keys = check.keys(keys, "guard", "AllowList(folder)")
+        self.keys = arguments.keys(keys, "guard", "AllowList(folder)")
         self.journal: Journal | None = check.instance("journal", journal, Journal, type(None))
         if journal and (messages or workers):
             raise ValueError("a journal takes neither messages nor workers: it does one text after the other")
@@ -112,7 +113,7 @@ class Server(OneProcess):
             # Whatever ends it.
             stack.callback(self.stopped.set)
             # The end of a context of its own waits until the port is free; and libzmq asks one authenticator in each.
-            context = stack.enter_context(zmq.Context()) if context is None else check.context(context)
+            context = stack.enter_context(zmq.Context()) if context is None else arguments.context(context)
             self.socket: Socket = stack.enter_context(context.socket(zmq.ROUTER))
             limit(self.socket, 4 * LIMIT if messages else LARGEST_BYTES)
             if messages:

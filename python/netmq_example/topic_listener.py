@@ -14,8 +14,9 @@ from collections.abc import Iterator
 
 import zmq
 
-from netmq_example import check
-from netmq_example.beacon import LOOK_UP_SECONDS, BeaconSearch
+from netmq_example import arguments, check
+from netmq_example.asking import LOOK_UP_SECONDS
+from netmq_example.beacon import BeaconSearch
 from netmq_example.errors import Closed, Timeout
 from netmq_example.former import positional
 from netmq_example.one_process import Keys, OneProcess
@@ -59,12 +60,12 @@ class TopicListener(OneProcess):
         self.timeout = check.seconds_or_none("timeout", timeout)
         high_watermark = check.count("high_watermark", high_watermark, least=0)
         self.largest = check.count("largest", largest)
-        self.keys = check.keys(keys)
+        self.keys = arguments.keys(keys)
         self.own_socket = socket is None
         if socket is None:
-            socket = check.context(context).socket(zmq.SUB)
+            socket = arguments.context(context).socket(zmq.SUB)
             socket.rcvhwm = high_watermark
-        self.socket: Socket = check.not_closed("socket", check.blocking("socket", socket, zmq.Socket))
+        self.socket: Socket = arguments.not_closed("socket", arguments.blocking("socket", socket, zmq.Socket))
         if socket.type != zmq.SUB:
             raise ValueError("socket takes a SUB socket")
         if self.keys:
@@ -99,7 +100,7 @@ class TopicListener(OneProcess):
         """The same with its frames as they came, such as a topic and a picture."""
         self.check_process()
         timeout = self.timeout if timeout is None else check.seconds_or_none("timeout", timeout)
-        check.not_closed("this listener's socket", self.socket)
+        arguments.not_closed("this listener's socket", self.socket)
         start = time.monotonic()
         renew = RENEW_SECONDS
         while True:

@@ -34,7 +34,7 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import GraphInstance
 
-from netmq_example import check
+from netmq_example import arguments, check
 from netmq_example.json_text import shallow
 from netmq_example.messages import DECODER, DTYPES, ENCODER, LIMIT, Array, MessageError
 
@@ -85,7 +85,7 @@ def pairs_of(form: bytes) -> list[tuple[str, Any]]:
     try:
         parsed = DECODER.decode(shallow(form.decode()))
         json.dumps(parsed, ensure_ascii=False).encode()
-        return [(check.text("a locator", text), part) for text, part in check.instance("pairs", parsed, list)]
+        return [(arguments.text("a locator", text), part) for text, part in check.instance("pairs", parsed, list)]
     except REASONS as error:
         raise bad(error) from None
 

@@ -18,8 +18,8 @@ from socket import socketpair
 from threading import Thread
 from typing import Any, Generic, TypeVar
 
-from netmq_example import check
-from netmq_example.replies import reply_to
+from netmq_example import arguments, check
+from netmq_example.program import reply_to
 
 Key = TypeVar("Key")
 MOST_THREADS = 256
@@ -36,7 +36,7 @@ class WorkerThreads(Generic[Key]):
         `reply` calls it with a request of another form than bytes.
         """
         self.number = check.count("number", number, most=MOST_THREADS)
-        self.answer = check.function("answer", answer)
+        self.answer = arguments.function("answer", answer)
         self.reply = reply
         self.closed = False
         self.requests: SimpleQueue[tuple[Key, Any] | None] = SimpleQueue()
@@ -49,12 +49,12 @@ class WorkerThreads(Generic[Key]):
 
     def begin(self, key: Key, request: Any) -> None:
         """Have a worker answer this request; any number may wait for one."""
-        check.not_closed("this pool of workers", self)
+        arguments.not_closed("this pool of workers", self)
         self.requests.put((key, check.instance("request", request, bytes if self.reply is reply_to else object)))
 
     def finished(self) -> Iterator[tuple[Key, Any]]:
         """The replies that are there, each with the key of its request."""
-        check.not_closed("this pool of workers", self)
+        arguments.not_closed("this pool of workers", self)
         while not self.replies.empty():
             self.wake_reader.recv(1)
             yield self.replies.get()

@@ -4,8 +4,7 @@ import importlib
 
 import pytest
 
-from netmq_example.extras import without
-from netmq_example.program import importing
+from netmq_example.extras import importing, without
 
 
 def needed(module):

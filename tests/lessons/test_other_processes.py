@@ -23,7 +23,7 @@ from netmq_example import errors
 from netmq_example.background_client import BackgroundClient
 from netmq_example.messages import MessageError
 from netmq_example.one_process import OneProcess
-from netmq_example.replies import reply_to
+from netmq_example.program import reply_to
 from tests.conftest import PYTHON
 from tests.programs import LIMIT, ROOT, finished, steady_endpoint
 

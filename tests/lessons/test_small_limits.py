@@ -10,7 +10,7 @@ import pytest
 import zmq
 
 from kitlib.lessons import Lesson
-from netmq_example import check, records
+from netmq_example import arguments, records
 from netmq_example.fleet import hub, trainers
 from netmq_example.fleet.hub import Hub
 from netmq_example.messages import Array, Message
@@ -212,9 +212,9 @@ def test_a_file_is_a_regular_one_and_has_a_limit(what, how, tmp_path, monkeypatc
 
 def test_a_file_of_the_most_bytes_is_one(tmp_path):
     (tmp_path / "file").write_bytes(bytes(1000))
-    assert check.regular_file(tmp_path / "file", 1000) == tmp_path / "file"
+    assert arguments.regular_file(tmp_path / "file", 1000) == tmp_path / "file"
     for wrong in tmp_path / "file", tmp_path, Path(os.devnull):
         with pytest.raises(OSError, match="must be a regular file of at most 999 bytes"):
-            check.regular_file(wrong, 999)
+            arguments.regular_file(wrong, 999)
     with pytest.raises(FileNotFoundError):
-        check.regular_file(tmp_path / "none", 1000)
+        arguments.regular_file(tmp_path / "none", 1000)

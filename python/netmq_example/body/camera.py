@@ -15,9 +15,9 @@ from collections.abc import Generator, Iterator
 from pathlib import Path
 from typing import Any
 
-from netmq_example import check
+from netmq_example import arguments, check
 from netmq_example.body.people import LANDMARKS, Hands, Landmark, People, SourceError
-from netmq_example.errors import pip_install
+from netmq_example.extras import pip_install
 
 MODELS = "https://ai.google.dev/edge/mediapipe/solutions/vision"
 # A person's place in the picture, from 0 to 1; None before it is known.
@@ -26,7 +26,7 @@ Place = tuple[float, float] | None
 
 def device(text: str) -> int | str:
     """The type of an option: a webcam's number, a stream's address, or a film's file."""
-    return int(text) if text.isdecimal() else check.text("device", text)
+    return int(text) if text.isdecimal() else arguments.text("device", text)
 
 
 def watch(

@@ -13,7 +13,7 @@ import time
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from netmq_example import check
+from netmq_example import arguments, check
 
 # x, y, z, and how sure it is that this landmark is seen, from 0 to 1.
 Landmark = tuple[float, float, float, float]
@@ -63,7 +63,7 @@ def read(path: Path) -> Pictures:
     path = Path(check.instance("path", path, str, Path))
     try:
         # Excel puts a mark in front of what it saves.
-        with check.regular_file(path, LARGEST_BYTES).open(encoding="utf-8-sig", newline="") as file:
+        with arguments.regular_file(path, LARGEST_BYTES).open(encoding="utf-8-sig", newline="") as file:
             rows = list(csv.reader(file))
     except (OSError, ValueError, csv.Error) as error:
         raise SourceError(f"cannot read {path.name!r:.80}: {error!s:.80}; name another file") from None

@@ -20,13 +20,15 @@ from typing import Any
 
 import zmq
 
-from netmq_example import check
+from netmq_example import arguments, check
 from netmq_example.beacon import BeaconSearch
-from netmq_example.errors import MessageError, Refused, Timeout, longer
+from netmq_example.console import printable
+from netmq_example.errors import MessageError, Refused, Timeout
 from netmq_example.former import positional
 from netmq_example.messages import EXACT, LIMIT, Message
 from netmq_example.one_process import OneProcess
-from netmq_example.program import SLICE_MS, Context, Socket, limit, printable
+from netmq_example.program import SLICE_MS, Context, Socket, limit
+from netmq_example.retries import longer
 
 log = logging.getLogger("netmq_example.client")
 
@@ -47,10 +49,10 @@ class Action:
 
     def __post_init__(self) -> None:
         self.frame = check.count("frame", self.frame, least=0, most=EXACT - 1)
-        self.milliseconds = check.number("milliseconds", self.milliseconds, least=0)
-        self.throttle = min(1.0, max(-1.0, check.number("throttle", self.throttle)))
-        self.brake = min(1.0, max(0.0, check.number("brake", self.brake)))
-        self.steer = min(1.0, max(-1.0, check.number("steer", self.steer)))
+        self.milliseconds = arguments.number("milliseconds", self.milliseconds, least=0)
+        self.throttle = min(1.0, max(-1.0, arguments.number("throttle", self.throttle)))
+        self.brake = min(1.0, max(0.0, arguments.number("brake", self.brake)))
+        self.steer = min(1.0, max(-1.0, arguments.number("steer", self.steer)))
 
 
 def read_action(reply: Message, frame: int) -> Action:
@@ -78,9 +80,9 @@ class DriverClient(OneProcess):
         # The message that waits until the server is found, and where that is.
         self.unsent: list[Any] = []
         self.where = ""
-        self.timeout = check.seconds("timeout", timeout)
+        self.timeout = arguments.seconds("timeout", timeout)
         self.tries = check.count("tries", tries)
-        self.context: Context = check.context(context)
+        self.context: Context = arguments.context(context)
         self.report = log.warning
         self.asked: Message | None = None
         self.socket: Socket | None = None

@@ -28,7 +28,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from netmq_example import check
+from netmq_example import arguments, check
 from netmq_example.camera.pictures import NUMBERS, decode, encode, pictures
 from netmq_example.errors import Error
 from netmq_example.messages import EXACT, LIMIT, Message, MessageError
@@ -215,7 +215,7 @@ def recorded(folder: Path | str) -> Iterator[Row]:
     folder = as_folder(folder)
     found = False
     # A byte that is no text makes one cell bad, and not the whole file.
-    with check.regular_file(folder / "metadata.csv", LARGEST_BYTES).open(
+    with arguments.regular_file(folder / "metadata.csv", LARGEST_BYTES).open(
         encoding="utf-8-sig", errors="replace"
     ) as table:
         columns = cells(table.readline())
@@ -272,7 +272,7 @@ def files(folder: Path, cells: dict[str, str]) -> dict[str, bytes]:
         if column.endswith("file_name"):
             path = folder / name
             try:
-                file = check.regular_file(path, LIMIT).read_bytes()
+                file = arguments.regular_file(path, LIMIT).read_bytes()
             except FileNotFoundError:
                 raise FileNotFoundError(f"there is no picture {name}") from None
             found[column.removesuffix("file_name").rstrip("_") or "center"] = file

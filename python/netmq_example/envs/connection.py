@@ -20,7 +20,7 @@ from typing import Any
 
 import zmq
 
-from netmq_example import check, records
+from netmq_example import arguments, check, records
 from netmq_example.envs.launch import END_SECONDS, QUIET, end_program, program, say_waiting, start_program, why_ended
 from netmq_example.errors import Lost, Timeout
 from netmq_example.finalizers import finalizer
@@ -43,11 +43,11 @@ class Connection(OneProcess):
     """A bound ROUTER socket. It waits in slices of its receive timeout: on Windows Ctrl-C interrupts no longer wait."""
 
     def __init__(self, socket: zmq.Socket[bytes], timeout: float) -> None:
-        self.timeout = check.seconds("timeout", timeout)
+        self.timeout = arguments.seconds("timeout", timeout)
         if not hasattr(socket, "recv_multipart"):
             raise TypeError(f"socket takes a bound ROUTER socket, not {socket!r:.40}")
         # Lesson 17's socket is none of pyzmq's.
-        self.socket = check.blocking("socket", socket, object)
+        self.socket = arguments.blocking("socket", socket, object)
         self.endpoint = socket.getsockopt_string(zmq.LAST_ENDPOINT)
         # To send to a peer that is gone is then an error, and not silence.
         socket.router_mandatory = True
@@ -193,9 +193,9 @@ class Simulators:
         default: str = ENDPOINT,
         **unknown: object,
     ) -> None:
-        check.no_others(unknown)
-        self.wait = check.seconds("wait", wait)
-        timeout = check.seconds("timeout", timeout)
+        arguments.no_others(unknown)
+        self.wait = arguments.seconds("wait", wait)
+        timeout = arguments.seconds("timeout", timeout)
         self.launch = program(launch)
         self.owns_socket = socket is None
         if socket is None:

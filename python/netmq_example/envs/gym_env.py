@@ -21,7 +21,7 @@ from typing import Any
 
 import gymnasium
 
-from netmq_example import check
+from netmq_example import arguments
 from netmq_example.envs.common import (
     MadeAnew,
     frames_per_second,
@@ -51,7 +51,7 @@ class ZmqEnv(MadeAnew, gymnasium.Env[Any, Any]):
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 50}  # noqa: RUF012, Gymnasium's own way.
 
     def __init__(self, name: str, render_mode: str | None = None, **where: Any) -> None:
-        self.name = check.text("name", name)
+        self.name = arguments.text("name", name)
         self.render_mode = known_render_mode(render_mode)
         self.spaces: list[Any] | None = None
         # The last observation, as bytes, and the last picture.

@@ -19,7 +19,7 @@ import sys
 import time
 from collections.abc import Sequence
 
-from netmq_example.errors import shell
+from netmq_example.extras import shell
 from netmq_example.finalizers import undisturbed
 
 # How long a program gets to end by itself.

@@ -21,7 +21,7 @@ from gymnasium.spaces import Space
 from gymnasium.utils import seeding
 from pettingzoo import ParallelEnv
 
-from netmq_example import check, trees
+from netmq_example import arguments, check, trees
 from netmq_example.envs.common import (
     MadeAnew,
     frames_per_second,
@@ -56,7 +56,7 @@ class RemoteAgents:
     """
 
     def __init__(self, name: str, **where: Any) -> None:
-        self.name = check.text("name", name)
+        self.name = arguments.text("name", name)
         self.fps = 0
         self.dt = 0.0
         self.spaces: Spaces = {}

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from gymnasium.utils import seeding
 
-from netmq_example import check
+from netmq_example import arguments, check
 from netmq_example.envs.common import (
     frames_per_second,
     hello_from,
@@ -44,7 +44,7 @@ class RemoteAreas:
         self, num_envs: int, name: str, max_episode_steps: int | None = None, default: str = ENDPOINT, **where: Any
     ) -> None:
         self.count = check.count("num_envs", num_envs)
-        self.name = check.text("name", name)
+        self.name = arguments.text("name", name)
         # Gymnasium's make takes -1 for no limit as well.
         unlimited = max_episode_steps is None or max_episode_steps == -1
         self.limit = np.inf if unlimited else check.count("max_episode_steps", max_episode_steps)

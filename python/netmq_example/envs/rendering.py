@@ -25,7 +25,7 @@ from typing import Any
 
 from gymnasium import logger
 
-from netmq_example import check
+from netmq_example import arguments
 from netmq_example.envs.common import gives_pictures
 from netmq_example.envs.connection import FREE_PORT, Accept, Simulators
 from netmq_example.envs.take import Take
@@ -242,7 +242,7 @@ def check_words(mode: Any, views: Any, render_fps: Any) -> None:
     if not isinstance(views, list | tuple) or not views or not all(isinstance(view, str) for view in views):
         raise ValueError(f'views takes a list of names, such as ["", "front"], not {views!r:.80}')
     if render_fps is not None:
-        check.number("render_fps", render_fps, least=0.01, most=1000)
+        arguments.number("render_fps", render_fps, least=0.01, most=1000)
 
 
 def films_at(endpoint: str) -> Any:

@@ -14,7 +14,7 @@ stands.
 from collections.abc import Callable
 from typing import Any
 
-from netmq_example import check
+from netmq_example import arguments, check
 from netmq_example.errors import Lost
 from netmq_example.messages import MessageError
 from netmq_example.records import Record
@@ -41,7 +41,7 @@ class StepCarrier:
     """Stands in front of an environment's `ask`."""
 
     def __init__(self, asked: Callable[[Any], Any], manager: SideChannelManager) -> None:
-        self.asked = check.function("asked", asked)
+        self.asked = arguments.function("asked", asked)
         self.manager = check.instance("manager", manager, SideChannelManager)
         self.unsent = b""
 

@@ -22,7 +22,7 @@ from typing import Any
 import gymnasium
 from gymnasium.spaces import Space
 
-from netmq_example import check, trees
+from netmq_example import arguments, trees
 from netmq_example.envs.common import MadeAnew, frames_per_second, hello_from, info_in, options_as_bytes
 from netmq_example.envs.connection import Simulators
 from netmq_example.envs.merge import empty, fitted
@@ -63,7 +63,7 @@ class UnityGymEnv(MadeAnew, Rendered, gymnasium.Env[Any, Any]):
         check_words(render_mode, views, render_fps)
         self.observation_space = observation_space
         self.action_space = action_space
-        self.name = check.text("agent_name", agent_name)
+        self.name = arguments.text("agent_name", agent_name)
         self.agents = Agents(env_name, {self.name: observation_space}, {self.name: action_space}, file_name, **where)
         self.show(self.agents.simulators, render_mode, views, view_endpoint)
         # Also when nobody calls close: at garbage collection, and at the end of the program. And only once.
@@ -115,7 +115,7 @@ class Agents:
         file_name: str | os.PathLike[str] | None = None,
         **where: Any,
     ) -> None:
-        self.env_name = check.text("env_name", env_name)
+        self.env_name = arguments.text("env_name", env_name)
         check_spaces(observations, actions)
         self.sights = {name: Sight(name, space) for name, space in observations.items()}
         self.actions = {name: ActionRows(name, space) for name, space in actions.items()}
@@ -237,5 +237,5 @@ def check_spaces(observations: Any, actions: Any) -> None:
     if observations.keys() != actions.keys():
         raise ValueError(f"the agents with observations are {[*observations]}, those with actions {[*actions]}")
     for name, space in observations.items():
-        empty(space, f"{quoted(check.text('the name of an agent', name))}@")
+        empty(space, f"{quoted(arguments.text('the name of an agent', name))}@")
         empty(actions[name], f"action of {name}")

@@ -17,7 +17,7 @@ from gymnasium.spaces import Space
 from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space, iterate
 
-from netmq_example import check
+from netmq_example import arguments
 from netmq_example.envs.common import frames_per_second, hello_from
 from netmq_example.envs.plan import Sight
 from netmq_example.envs.remote_areas import RemoteAreas
@@ -39,9 +39,9 @@ class RemoteScene(RemoteAreas):
     def __init__(
         self, num_envs: int, env_name: str, spaces: list[Space[Any]], agent_name: str, steps: Any, **where: Any
     ) -> None:
-        self.agent_name = check.text("agent_name", agent_name)
+        self.agent_name = arguments.text("agent_name", agent_name)
         check_spaces({agent_name: spaces[0]}, {agent_name: spaces[1]})
-        super().__init__(num_envs, check.text("env_name", env_name), steps, ENDPOINT, **where)
+        super().__init__(num_envs, arguments.text("env_name", env_name), steps, ENDPOINT, **where)
         self.spaces = spaces
         self.together = batch_space(spaces[1], self.count)
         self.rows = ActionRows(agent_name, spaces[1])

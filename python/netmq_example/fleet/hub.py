@@ -21,7 +21,7 @@ from typing import Any
 
 import zmq
 
-from netmq_example import check, records
+from netmq_example import arguments, check, records
 from netmq_example.fleet.members import Member, NotTaken, accept, fits, offer, size_of
 from netmq_example.fleet.trainers import Trainer
 from netmq_example.messages import Message, MessageError, take
@@ -68,11 +68,11 @@ class Hub:
         self.socket = socket
         # To send to a peer that is gone is an error.
         socket.router_mandatory = True
-        self.report = check.function("report", report)
+        self.report = arguments.function("report", report)
         self.build: str = check.instance("build", build, str)
-        self.late = check.seconds("late", late)
-        self.timeout = check.seconds("timeout", timeout)
-        self.idle = check.seconds("idle", idle)
+        self.late = arguments.seconds("late", late)
+        self.timeout = arguments.seconds("timeout", timeout)
+        self.idle = arguments.seconds("idle", idle)
         self.members: dict[bytes, Member] = {}
         self.trainers: dict[bytes, Trainer] = {}
         # One of each name that is here: the others have the same spaces.

@@ -16,13 +16,13 @@ from typing import Any
 
 import zmq
 
-from netmq_example import check
-from netmq_example.errors import longer
+from netmq_example import arguments, check
 from netmq_example.finalizers import finalizer
 from netmq_example.messages import LIMIT, Message, take
 from netmq_example.one_process import OneProcess
 from netmq_example.program import limit
 from netmq_example.records import is_record
+from netmq_example.retries import longer
 
 PEER = b"hub"
 # The environment asks again each second. If it is silent for longer, it waits for a simulator, and tells the hub. So
@@ -40,7 +40,7 @@ class FleetSocket(OneProcess):
 
     def __init__(self, endpoint: str, name: str, areas: int, *, prepare: Callable[[Any], object] | None = None) -> None:
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5567")
-        self.name = check.text("name", name)
+        self.name = arguments.text("name", name)
         self.areas = check.count("areas", areas, most=1024)
         self.prepare: Callable[[Any], object] | None = check.instance("prepare", prepare, Callable, type(None))
         self.join = Message("join", 0, {"name": self.name, "areas": self.areas})

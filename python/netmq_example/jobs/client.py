@@ -21,13 +21,14 @@ from typing import Any
 
 import zmq
 
-from netmq_example import check
+from netmq_example import arguments, check
 from netmq_example.beacon import BeaconSearch
-from netmq_example.errors import Refused, Timeout, longer, tried
+from netmq_example.errors import Refused, Timeout
 from netmq_example.former import positional
 from netmq_example.messages import LIMIT, Message, MessageError, take
 from netmq_example.one_process import OneProcess, one_at_a_time
 from netmq_example.program import Context, Socket, limit
+from netmq_example.retries import longer, tried
 
 STATUSES = ("succeeded", "canceled", "aborted")
 # The values of a message about a job, besides the job.
@@ -89,9 +90,9 @@ class JobClient(OneProcess):
         self.search = BeaconSearch(endpoint)
         # An id must never come twice, whichever program makes one: hence the uuid.
         self.job = uuid.uuid4().hex if job is None else job_id("job", job)
-        self.timeout = check.seconds("timeout", timeout)
+        self.timeout = arguments.seconds("timeout", timeout)
         self.tries = check.count("tries", tries)
-        self.context: Context = check.context(context)
+        self.context: Context = arguments.context(context)
         self.report = log.warning
         self.request = self.ask("status")
         # What was wrong with a message of this try.
@@ -108,7 +109,7 @@ class JobClient(OneProcess):
 
     def ask(self, verb: str, **values: str | int) -> Message:
         """Another request about the job, for `watch`: `status` or `forget`."""
-        return Message(check.text("verb", verb), values={"job": self.job, **values})
+        return Message(arguments.text("verb", verb), values={"job": self.job, **values})
 
     @one_at_a_time
     def watch(self, request: Message) -> Iterator[Message]:

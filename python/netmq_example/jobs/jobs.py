@@ -3,9 +3,7 @@
     jobs = Jobs(Journal("long_jobs.sqlite3"), {"count": Kind(count, most=10_000)}, workers=2)
     with closing(jobs):
         while True:
-            zmq.select([socket, jobs.workers.wake_socket], [], [], 0.1)
-            ...                                                 jobs.answer(client, frames), for each message that came
-            for client, news in jobs.turn(): socket.send_multipart([client, *news.frames()])
+            jobs.exchange(socket)                               with its clients, for 0.1 s at most; it is a ROUTER
 
 A client makes the job's id, and sends one of:
 
@@ -23,11 +21,14 @@ The same goal again is the same job. So a lost answer, a new connection, a secon
 either side are all one case. The journal knows of every message before a client does.
 """
 
+import contextlib
 import logging
 import sqlite3
 import time
 from collections import deque
 from dataclasses import dataclass, field
+
+import zmq
 
 from netmq_example import check
 from netmq_example.jobs.client import job_id
@@ -108,6 +109,19 @@ class Jobs:
         self.journal.close()
 
     # Messages of clients
+
+    def exchange(self, socket: zmq.Socket[bytes]) -> None:
+        """Receive some of what clients have sent, and send them what there is to tell."""
+        # A wait with a limit: on Windows Ctrl-C is heard only between two waits, and a worker's time may be over.
+        zmq.select([socket, self.workers.wake_socket], [], [], 0.1)
+        with contextlib.suppress(zmq.Again):
+            # Not until there are no more: the workers have their turn, too.
+            for _ in range(100):
+                client, *frames = socket.recv_multipart(zmq.NOBLOCK)
+                self.answer(client, frames)
+        for client, news in self.turn():
+            # This never waits: ROUTER drops what is for a client that has gone, or does not read: it asks again.
+            socket.send_multipart([client, *news.frames()])
 
     def answer(self, client: bytes, frames: list[bytes]) -> None:
         """The next turn returns the reply."""

@@ -14,7 +14,7 @@ bytes goes on from there.
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from netmq_example import check
+from netmq_example import arguments, check
 from netmq_example.messages import EXACT, Array
 
 
@@ -45,6 +45,6 @@ class Kind:
     has_checkpoint: bool = False
 
     def __post_init__(self) -> None:
-        check.function("work", self.work)
+        arguments.function("work", self.work)
         check.count("most", self.most)
         check.instance("has_checkpoint", self.has_checkpoint, bool)

@@ -31,7 +31,7 @@ import zmq
 import zmq.auth
 from zmq.utils import z85
 
-from netmq_example import check
+from netmq_example import arguments
 from netmq_example.program import run
 
 NAME = r"[\w-]{1,40}"
@@ -113,7 +113,7 @@ def load(path: Path, cure: str = NO_KEY) -> tuple[bytes, bytes]:
     """
     path = checked_path(path, "path")
     try:
-        public, secret = zmq.auth.load_certificate(check.regular_file(path, LARGEST_FILE_BYTES))
+        public, secret = zmq.auth.load_certificate(arguments.regular_file(path, LARGEST_FILE_BYTES))
         return checked(public), checked(secret or b"") if path.suffix == ".key_secret" else b""
     except PermissionError:
         cure = "start as the user who made it, or give it to this one"

@@ -21,12 +21,13 @@ from collections.abc import Callable, Iterator
 
 import zmq
 
-from netmq_example import check
-from netmq_example.beacon import cure
-from netmq_example.errors import Timeout, longer
+from netmq_example import arguments, check
+from netmq_example.asking import cure
+from netmq_example.errors import Timeout
 from netmq_example.exception import UnitySideChannelException
 from netmq_example.one_process import OneProcess
 from netmq_example.program import limit
+from netmq_example.retries import longer
 from netmq_example.side_channel.side_channel import LARGEST_EXCHANGE_BYTES
 from netmq_example.side_channel.side_channel_manager import SideChannelManager
 
@@ -79,7 +80,7 @@ class Peer:
 
 def parts(exchange: bytes) -> Iterator[bytes]:
     """Several smaller exchanges in place of a large one, which would take its time."""
-    exchange = check.data("exchange", exchange)
+    exchange = arguments.data("exchange", exchange)
     begin = 0
     end = 0
     while len(exchange) - end >= 20:
@@ -103,9 +104,9 @@ class Carrier:
         welcome: Callable[[], SideChannelManager],
         report: Callable[[str], object] = log.warning,
     ) -> None:
-        self.socket = check.blocking("socket", socket, zmq.Socket)
-        self.welcome = check.function("welcome", welcome)
-        self.report = check.function("report", report)
+        self.socket = arguments.blocking("socket", socket, zmq.Socket)
+        self.welcome = arguments.function("welcome", welcome)
+        self.report = arguments.function("report", report)
         # Without it a ROUTER drops what it cannot send, and says nothing.
         socket.router_mandatory = True
         # The one that was silent for longest comes first.
@@ -179,10 +180,10 @@ class ClientCarrier(OneProcess):
         timeout: float = 5,
         report: Callable[[str], object] | None = None,
     ) -> None:
-        self.context = check.blocking("context", context, zmq.Context)
+        self.context = arguments.blocking("context", context, zmq.Context)
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5563")
-        self.timeout = check.seconds("timeout", timeout)
-        self.report = report if report is None else check.function("report", report)
+        self.timeout = arguments.seconds("timeout", timeout)
+        self.report = report if report is None else arguments.function("report", report)
         self.away = False
         self.unsent = deque[bytes]()
         # For how long the server is silent, and until when that was looked at.
@@ -217,7 +218,7 @@ class ClientCarrier(OneProcess):
         Timeout when the server was silent for too long, and there is no `report`.
         """
         wait = check.seconds_or_none("wait", wait)
-        if exchange := check.data("data", data):
+        if exchange := arguments.data("data", data):
             self.unsent.append(exchange)
         self.send()
         received = self.receive(wait)

@@ -11,7 +11,7 @@ import uuid
 from enum import IntEnum
 from typing import NamedTuple
 
-from netmq_example import check
+from netmq_example import arguments, check
 from netmq_example.exception import UnitySideChannelException
 from netmq_example.side_channel.incoming_message import FLOAT32, INT32
 from netmq_example.side_channel.outgoing_message import packed
@@ -78,7 +78,7 @@ class EngineConfigurationChannel(SideChannel):
             if value is None:
                 return
             if name == "time_scale":
-                check.number(name, value, 0, MOST_TIME_SCALE)
+                arguments.number(name, value, 0, MOST_TIME_SCALE)
             number = FLOAT32 if kind == self.ConfigurationType.TIME_SCALE else INT32
             msg.buffer += packed(number, name, value)
         self.queue_message_to_send(msg)

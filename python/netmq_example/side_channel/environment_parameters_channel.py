@@ -12,7 +12,7 @@ import uuid
 from collections.abc import Sequence
 from enum import IntEnum
 
-from netmq_example import check
+from netmq_example import arguments
 from netmq_example.exception import UnitySideChannelException
 from netmq_example.side_channel.incoming_message import FLOAT32, INT32
 from netmq_example.side_channel.outgoing_message import packed
@@ -60,7 +60,7 @@ class EnvironmentParametersChannel(SideChannel):
 
     def _begin(self, key: str, kind: int) -> OutgoingMessage:
         msg = OutgoingMessage()
-        msg.write_string(check.text("key", key))
+        msg.write_string(arguments.text("key", key))
         msg.write_int32(kind)
         return msg
 

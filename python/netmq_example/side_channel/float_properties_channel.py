@@ -9,7 +9,7 @@ Bytes: string key, float32 value. In C# it is FloatPropertiesChannel.cs.
 
 import uuid
 
-from netmq_example import check
+from netmq_example import arguments, check
 from netmq_example.exception import UnitySideChannelException
 from netmq_example.side_channel.incoming_message import FLOAT32
 from netmq_example.side_channel.outgoing_message import packed
@@ -34,7 +34,7 @@ class FloatPropertiesChannel(SideChannel):
 
     def set_property(self, key: str, value: float) -> None:
         msg = OutgoingMessage()
-        msg.write_string(check.text("key", key))
+        msg.write_string(arguments.text("key", key))
         msg.buffer += packed(FLOAT32, "value", value)
         self.queue_message_to_send(msg)
         self.properties[key] = value

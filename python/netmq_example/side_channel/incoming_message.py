@@ -12,7 +12,7 @@ In C# it is SideChannelMessages.cs.
 import struct
 from typing import Any
 
-from netmq_example import check
+from netmq_example import arguments, check
 from netmq_example.exception import UnitySideChannelException
 
 # Both halves of ML-Agents make zeros of a list's items that are missing. More than so many would only fill the memory.
@@ -27,7 +27,7 @@ class IncomingMessage:
     """`offset` is where in the bytes the first value begins."""
 
     def __init__(self, buffer: bytes, offset: int = 0) -> None:
-        self.buffer = check.data("buffer", buffer)
+        self.buffer = arguments.data("buffer", buffer)
         self.offset = check.count("offset", offset, least=0)
 
     def read_bool(self, default_value: bool = False) -> bool:

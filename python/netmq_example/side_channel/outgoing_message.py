@@ -12,7 +12,7 @@ import struct
 from collections.abc import Sequence
 from typing import Any
 
-from netmq_example import check
+from netmq_example import arguments, check
 from netmq_example.exception import UnitySideChannelException
 from netmq_example.side_channel.incoming_message import BOOL, FLOAT32, INT32
 
@@ -58,4 +58,4 @@ class OutgoingMessage:
 
     def set_raw_bytes(self, buffer: bytes | bytearray) -> None:
         """The whole message, in place of what was written."""
-        self.buffer = bytearray(check.data("buffer", buffer))
+        self.buffer = bytearray(arguments.data("buffer", buffer))

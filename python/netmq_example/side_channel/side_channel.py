@@ -16,7 +16,7 @@ import uuid
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 
-from netmq_example import check
+from netmq_example import arguments, check
 from netmq_example.exception import UnitySideChannelException
 from netmq_example.side_channel.incoming_message import IncomingMessage
 from netmq_example.side_channel.outgoing_message import OutgoingMessage
@@ -52,7 +52,7 @@ class Channel(ABC):
 
     def queue_bytes(self, data: bytes | bytearray) -> None:
         # A copy: writing on in the message does not change what was queued.
-        message = check.data("data", data)
+        message = arguments.data("data", data)
         if len(message) > LARGEST_EXCHANGE_BYTES - 20:
             raise UnitySideChannelException(f"a message of {len(message)} bytes is too large: send it in parts")
         self.message_queue.append(message)

@@ -20,7 +20,7 @@ import uuid
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from netmq_example import check
+from netmq_example import arguments, check
 from netmq_example.exception import UnityException, UnitySideChannelException
 from netmq_example.side_channel.side_channel import LARGEST_EXCHANGE_BYTES, Channel
 
@@ -41,7 +41,7 @@ class SideChannelManager:
         # By the bytes on the wire: to make a UUID of each message's would take longer than the rest.
         self.channels: dict[bytes, Channel] = {}
         self.unknown: list[tuple[bytes, bytes]] = []
-        self.report = check.function("report", report)
+        self.report = arguments.function("report", report)
         for channel in check.instance("side_channels", [] if side_channels is None else side_channels, list, tuple):
             self.register_side_channel(channel)
 
@@ -61,7 +61,7 @@ class SideChannelManager:
         """The queued messages of all channels, after `unsent`: by order of registration, then of queueing.
         A message that would make it too large stays queued for the next exchange.
         """
-        data = bytearray(check.data("unsent", unsent))
+        data = bytearray(arguments.data("unsent", unsent))
         for channel_id, channel in self.channels.items():
             if channel.dropped:
                 self.report(f"channel {channel.channel_id}: {channel.dropped} messages were dropped")
@@ -77,7 +77,7 @@ class SideChannelManager:
 
     def process_side_channel_message(self, data: bytes) -> None:
         """Each message to its channel. UnitySideChannelException when the last one is cut: those before it are done."""
-        data = check.data("data", data)
+        data = arguments.data("data", data)
         offset = 0
         while offset < len(data):
             if len(data) - offset < 20:

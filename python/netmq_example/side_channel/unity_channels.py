@@ -15,7 +15,7 @@ import struct
 from collections.abc import Callable
 from itertools import islice
 
-from netmq_example import check
+from netmq_example import arguments, check
 from netmq_example.exception import UnitySideChannelException
 from netmq_example.side_channel.engine_configuration_channel import (
     LEAST_TIME_SCALE,
@@ -108,7 +108,7 @@ class EngineSettings(EngineConfigurationChannel):
 
     def __init__(self, apply: Callable[[str, tuple[float, ...]], None]) -> None:
         super().__init__()
-        self.apply = check.function("apply", apply)
+        self.apply = arguments.function("apply", apply)
 
     def on_message_received(self, msg: IncomingMessage) -> None:
         kind = msg.read_int32()
@@ -149,7 +149,7 @@ class EnvironmentParameters(EnvironmentParametersChannel):
 
     def register_callback(self, key: str, action: Callable[[float], None]) -> None:
         """One for each key, called when a number comes for it, and not for a sampler."""
-        self.callbacks[check.text("key", key)] = check.function("action", action)
+        self.callbacks[arguments.text("key", key)] = arguments.function("action", action)
 
     def keys(self) -> list[str]:
         return list(self.parameters)
@@ -188,7 +188,7 @@ class StatsRecorder(StatsSideChannel):
         self, key: str, value: float, aggregation_method: StatsAggregationMethod = StatsAggregationMethod.AVERAGE
     ) -> None:
         msg = OutgoingMessage()
-        msg.write_string(check.text("key", key))
+        msg.write_string(arguments.text("key", key))
         msg.buffer += packed(FLOAT32, "value", value)
         msg.write_int32(StatsAggregationMethod(aggregation_method))
         self.queue_message_to_send(msg)

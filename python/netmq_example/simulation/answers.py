@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from netmq_example import check, trees
+from netmq_example import arguments, trees
 from netmq_example.messages import Array, Message, MessageError
 from netmq_example.named import write_dict
 from netmq_example.records import ANSWERS, TERMINATED, TRUNCATED, Record, rewards
@@ -16,7 +16,7 @@ from netmq_example.space_numbers import exactly
 def hello_of(name: str, dt: float, spaces: dict[str, Any]) -> Message:
     """Its one array describes the spaces, as a value (trees.py)."""
     data = trees.write(spaces)
-    return Message("hello", 0, {"name": name, "dt": check.number("dt", dt, least=0)}, [trees.array_of(data)])
+    return Message("hello", 0, {"name": name, "dt": arguments.number("dt", dt, least=0)}, [trees.array_of(data)])
 
 
 def unknown(request: Message, known: str) -> MessageError:

@@ -24,7 +24,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, get_type_hints
 
-from netmq_example import check, trees
+from netmq_example import arguments, check, trees
 from netmq_example.locator import APPEND, LocatorError, ordinal, parse, quoted
 from netmq_example.messages import Message, MessageError, take
 from netmq_example.records import RESET, STEP, Record
@@ -52,7 +52,7 @@ class Agent:
     """
 
     def __init__(self, name: str = "agent") -> None:
-        self.name = check.text("name", name)
+        self.name = arguments.text("name", name)
         self.sources = declared(type(self), name)
         self.begin(draws(0), {})
 
@@ -110,8 +110,8 @@ class SceneSimulator(SimulatorBase):
     """For an environment of this name, with steps of `dt` seconds. What is in `infos` is sent to Python once."""
 
     def __init__(self, name: str, dt: float, agents: Iterable[Agent]) -> None:
-        super().__init__(check.text("name", name))
-        self.dt = check.seconds("dt", dt)
+        super().__init__(arguments.text("name", name))
+        self.dt = arguments.seconds("dt", dt)
         if isinstance(agents, str | bytes | dict) or not isinstance(agents, Iterable):
             raise TypeError(f"agents takes a list of Agents, not {agents!r:.40}")
         agents = list(agents)

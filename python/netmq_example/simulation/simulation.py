@@ -19,7 +19,7 @@ from typing import Any
 
 from gymnasium.spaces import Space
 
-from netmq_example import check, trees
+from netmq_example import arguments, check, trees
 
 # Bytes of infos that wait for an answer.
 MOST_WAITING = 12_000
@@ -131,7 +131,7 @@ class RealTime(AgentSimulation):
     def __init__(self, game: AgentSimulation, clock: Callable[[], float] = time.monotonic) -> None:
         check.instance("game", game, AgentSimulation)
         self.game = game
-        self.clock = check.function("clock", clock)
+        self.clock = arguments.function("clock", clock)
         self.name, self.dt, self.agents, self.infos = game.name, game.dt, game.agents, game.infos
         self.real = False
         self.next = 0.0

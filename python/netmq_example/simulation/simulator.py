@@ -18,14 +18,15 @@ from typing import Any
 import numpy as np
 import zmq
 
-from netmq_example import check, records
+from netmq_example import arguments, check, records
 from netmq_example.beacon import BeaconSearch
-from netmq_example.errors import Timeout, longer
+from netmq_example.errors import Timeout
 from netmq_example.former import positional
 from netmq_example.messages import LIMIT, Message, MessageError
 from netmq_example.one_connection import NO_CONNECTION, TRY_SECONDS, connect_once
 from netmq_example.program import SLICE_MS
 from netmq_example.records import RESET, STEP, Record
+from netmq_example.retries import longer
 from netmq_example.simulation.answers import answer_to, hello_of, options_in, picture_of, unknown
 from netmq_example.simulation.launched import watch_launcher
 from netmq_example.simulation.simulation import Simulation
@@ -45,7 +46,7 @@ class SimulatorBase(ABC):
     """Answers requests. The last answer is kept, and a request that comes again gets it again."""
 
     def __init__(self, name: str) -> None:
-        self.name = check.text("name", name)
+        self.name = arguments.text("name", name)
         self.episodes = 0
         self.steps = 0
         self.id = 0
@@ -165,9 +166,9 @@ class EnvironmentClient:
     ) -> None:
         self.endpoint = check.endpoint(endpoint, ENDPOINT, beacon=True)
         self.search = BeaconSearch(endpoint)
-        self.timeout = check.seconds("timeout", timeout)
+        self.timeout = arguments.seconds("timeout", timeout)
         self.report = log.warning
-        self.prepare = None if prepare is None else check.function("prepare", prepare)
+        self.prepare = None if prepare is None else arguments.function("prepare", prepare)
         # When it last was in an environment, why it is in none since then, and after how many tries in vain.
         self.heard = 0.0
         self.why = NO_CONNECTION

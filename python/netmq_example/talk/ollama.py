@@ -15,7 +15,7 @@ from http.client import HTTPConnection, HTTPException, HTTPSConnection
 from typing import Any
 from urllib.parse import urlsplit
 
-from netmq_example import check
+from netmq_example import arguments
 from netmq_example.jobs.work import Step, WorkError
 from netmq_example.json_text import shallow
 
@@ -41,7 +41,7 @@ def address(_: str, value: Any) -> str:
 def ollama_talk(count: int, finished: bytes, prompt: str, *, url: str, model: str) -> Iterator[Step]:
     """When the player walks away this generator is closed, and so the connection: that stops the model."""
     parts = urlsplit(address("url", url))
-    check.text("model", model)
+    arguments.text("model", model)
     connect = HTTPSConnection if parts.scheme == "https" else HTTPConnection
     text = said = ""
     done = 0

@@ -18,7 +18,7 @@ from collections.abc import Awaitable, Callable
 
 from aiohttp import WSMsgType, web
 
-from netmq_example import check
+from netmq_example import arguments, check
 from netmq_example.json_text import shallow
 from netmq_example.tap.arrows import HTML, WHOLE_BYTES, Arrows, recording
 from netmq_example.tap.passing import Trouble
@@ -92,7 +92,7 @@ class Page:
         with contextlib.suppress(ValueError, KeyError, TypeError):
             wish = json.loads(shallow(text))
             if "slow" in wish:
-                self.trouble.slow = check.number("slow", wish["slow"], 0, SLOWEST_SECONDS)
+                self.trouble.slow = arguments.number("slow", wish["slow"], 0, SLOWEST_SECONDS)
             if "fate" in wish:
                 self.trouble.ask(wish["fate"], wish["way"])
 

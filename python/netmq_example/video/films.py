@@ -37,7 +37,7 @@ from typing import Any
 
 import zmq
 
-from netmq_example import check
+from netmq_example import arguments, check
 from netmq_example.errors import Error, Lost, Refused, Timeout
 from netmq_example.former import positional
 from netmq_example.messages import Message
@@ -56,8 +56,8 @@ class Films(OneProcess):
         self, endpoint: str = ENDPOINT, *, socket: zmq.Socket[bytes] | None = None, timeout: float = 10.0
     ) -> None:
         """The game has `timeout` seconds for each answer."""
-        self.timeout = check.seconds("timeout", timeout)
-        check.blocking("socket", socket, zmq.Socket, type(None))
+        self.timeout = arguments.seconds("timeout", timeout)
+        arguments.blocking("socket", socket, zmq.Socket, type(None))
         self.report = log.warning
         self.owns_socket = socket is None
         self.game = Game(bound(endpoint) if socket is None else socket, self.lose)

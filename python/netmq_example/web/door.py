@@ -30,7 +30,7 @@ try:
 except ImportError as error:
     raise without(error) from None
 
-from netmq_example import check
+from netmq_example import arguments, check
 from netmq_example.errors import ListenError
 from netmq_example.program import IN_USE, more_files
 
@@ -53,7 +53,7 @@ class Door:
 
     def __init__(self, origins: list[str], token: str) -> None:
         """`origins` are pages from elsewhere that may come in; without a word as `token` nobody needs one."""
-        self.origins = [check.text("each origin", origin) for origin in check.instance("origins", origins, list)]
+        self.origins = [arguments.text("each origin", origin) for origin in check.instance("origins", origins, list)]
         self.token: str = check.instance("token", token, str)
         self.inside = 0
         self.number = 0

@@ -20,7 +20,7 @@ try:
 except ImportError as error:
     raise without(error) from None
 
-from netmq_example import check
+from netmq_example import arguments, check
 from netmq_example.errors import Refused, Timeout
 from netmq_example.json_text import shallow
 
@@ -35,9 +35,9 @@ class WebRequester:
     def __init__(self, endpoint: str, name: str, *, token: str = "", timeout: float = 2.5) -> None:
         """For each request it has `timeout` seconds in all, in which it tries again and again."""
         self.endpoint = check.endpoint(endpoint, "http://127.0.0.1:5566")
-        self.name = check.text("name", name)
+        self.name = arguments.text("name", name)
         self.token: str = check.instance("token", token, str)
-        self.timeout = check.seconds("timeout", timeout)
+        self.timeout = arguments.seconds("timeout", timeout)
         self.connected = False
         self.trouble = "is the server running?"
         self.session: aiohttp.ClientSession | None = None

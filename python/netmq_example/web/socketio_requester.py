@@ -16,7 +16,8 @@ try:
 except ImportError as error:
     raise without(error) from None
 
-from netmq_example.errors import Error, Refused, pip_install
+from netmq_example.errors import Error, Refused
+from netmq_example.extras import pip_install
 from netmq_example.web.requester import REFUSED, WebRequester
 
 

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from netmq_example import check
+from netmq_example import arguments, check
 
 STEP_SECONDS = 0.02
 # A picture's size in pixels.
@@ -66,7 +66,7 @@ class Road:
 
     def nearest(self, x: float, y: float) -> tuple[int, float]:
         """The number of the point that is nearest, and how far away it is."""
-        apart = self.points - (check.number("x", x), check.number("y", y))
+        apart = self.points - (arguments.number("x", x), arguments.number("y", y))
         squares = apart[:, 0] * apart[:, 0] + apart[:, 1] * apart[:, 1]
         at = int(squares.argmin())
         return at, math.sqrt(squares[at])
@@ -99,13 +99,13 @@ class Car:
 
     def __post_init__(self) -> None:
         for name in ("x", "y", "ahead_x", "ahead_y", "speed"):
-            check.number(name, getattr(self, name))
+            arguments.number(name, getattr(self, name))
 
     def step(self, throttle: float, brake: float, steer: float) -> None:
         """Drive for STEP_SECONDS. throttle is -1, backwards, to 1, brake 0 to 1, steer -1, left, to 1, right."""
-        throttle = check.number("throttle", throttle, -1, 1)
-        brake = check.number("brake", brake, 0, 1)
-        steer = check.number("steer", steer, -1, 1)
+        throttle = arguments.number("throttle", throttle, -1, 1)
+        brake = arguments.number("brake", brake, 0, 1)
+        steer = arguments.number("steer", steer, -1, 1)
         # The brake acts against the way in which it would roll without it, and ends at a standstill.
         backwards = self.speed + (throttle * ACCELERATION - self.speed * DRAG) * STEP_SECONDS < 0
         held = -brake if backwards else brake
@@ -152,7 +152,7 @@ class DrawnCamera:
         """The picture from `right` metres right of the car's middle; the number is 16 squares, a 1 in white."""
         check.instance("car", car, Car)
         number = check.count("number", number, least=0, most=2**53 - 1)
-        across = self.right + check.number("right", right)
+        across = self.right + arguments.number("right", right)
         x = car.x + car.ahead_x * self.ahead + car.ahead_y * across
         y = car.y + car.ahead_y * self.ahead - car.ahead_x * across
         picture = np.empty((HEIGHT, WIDTH, 3), np.uint8)

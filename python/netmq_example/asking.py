@@ -1,0 +1,104 @@
+"""What a client's program does besides its lesson: its socket, what it says where nothing comes, and more options.
+
+options = client_options("Says Hello.", "tcp://127.0.0.1:5551", timeout=2.5).parse_args()
+with connected(zmq.REQ, options) as socket:
+    socket.send(b"Hello")
+    print(receive(socket, options.timeout))
+"""
+
+import argparse
+import contextlib
+import socket as sockets
+import threading
+from collections.abc import Callable, Iterator
+
+import zmq
+
+from netmq_example import arguments, check
+from netmq_example.errors import Error, Timeout
+from netmq_example.program import LARGEST_BYTES, SLICE_MS, Options, Socket, checked, limit, option
+
+# So long a name server may take, in seconds; the system itself might wait for half a minute.
+LOOK_UP_SECONDS = 3.0
+
+
+def client_options(about: str, endpoint: str, timeout: float, beacon: bool = False) -> argparse.ArgumentParser:
+    """The options of every client. `timeout` is the default of --timeout, in seconds.
+
+    With `beacon` the endpoint may be beacon://NAME:PORT, for which the client has a BeaconSearch.
+    """
+    parser = Options(description=about)
+    parser.add_argument("--endpoint", type=client_endpoint(endpoint, beacon), default=endpoint, help="the server")
+    parser.add_argument("--timeout", type=positive_seconds, default=timeout, help="seconds to wait for each reply")
+    return parser
+
+
+def client_endpoint(example: str, beacon: bool = False) -> Callable[[str], str]:
+    """The type of an endpoint to connect to. Its host must be known: libzmq would wait for one that does not exist."""
+
+    def known(text: str) -> str:
+        if unknown := unknown_host(checked(text, example, 1, beacon)):
+            raise argparse.ArgumentTypeError(f"bad endpoint '{text}': {unknown}; check it")
+        return text
+
+    return known
+
+
+def positive_seconds(text: str) -> float:
+    """More than 0, at most a day."""
+    return option(arguments.seconds, text, float)
+
+
+def at_least_one(text: str) -> int:
+    """A whole number, 1 or more."""
+    return option(check.count, text, int)
+
+
+@contextlib.contextmanager
+def wrong_usage(parser: argparse.ArgumentParser, before: str = "", after: str = "") -> Iterator[None]:
+    """Around what makes use of options: what is wrong with them is named in one line, and the exit code is 2."""
+    try:
+        yield
+    except (ValueError, Error) as error:
+        parser.error(f"{before}{error}{after}")
+
+
+@contextlib.contextmanager
+def connected(kind: int, options: argparse.Namespace, largest: int = LARGEST_BYTES) -> Iterator[Socket]:
+    """A connected socket of this kind. Timeout says that nothing came, or that there was nowhere to send to."""
+    print(f"asking {options.endpoint}", flush=True)
+    with zmq.Context() as context, context.socket(kind) as socket:
+        limit(socket, largest)
+        # Sending does not wait: without a connection it raises zmq.Again, and queues nothing.
+        socket.rcvtimeo, socket.sndtimeo = SLICE_MS, 0
+        socket.connect(options.endpoint)
+        try:
+            yield socket
+        except zmq.Again:
+            why = cure(options.endpoint, f"is the server running, or its reply over {largest >> 10} KB?")
+            raise Timeout(f"no reply from {options.endpoint} within {options.timeout:g} s; {why}") from None
+
+
+def cure(endpoint: str, otherwise: str) -> str:
+    """What to look at where nothing came: the host's name, if that is unknown. libzmq itself never says so."""
+    unknown = unknown_host(endpoint)
+    return f"{unknown}: is it spelt so, and is the network there?" if unknown else otherwise
+
+
+def unknown_host(endpoint: str) -> str:
+    """What to say about a host that has no address. An empty text: it has one, or no name server says anything."""
+    scheme, _, place = endpoint.partition("://")
+    host = place.rpartition(":")[0]
+    unknown: list[str] = []
+
+    def look_up() -> None:
+        try:
+            sockets.getaddrinfo(host, None)
+        except (OSError, UnicodeError):
+            unknown.append(f"unknown host '{host}'")
+
+    if scheme not in ("beacon", "ipc", "inproc"):
+        thread = threading.Thread(target=look_up, daemon=True, name="netmq_example look-up")
+        thread.start()
+        thread.join(LOOK_UP_SECONDS)
+    return "".join(unknown)
