@@ -39,6 +39,11 @@ def answer(text: str) -> str:
     return f"error: expected an id and 'echo TEXT' or 'sleep 0.5', got {text[:40]!r}"
 
 
+def is_busy(at_work: list[list[bytes]], client: bytes) -> bool:
+    """Whether a server with so much to do refuses this client."""
+    return len(at_work) >= MOST or sum(peer == client for peer, *_ in at_work) >= MOST // 4
+
+
 def main() -> None:
     parser = server_options(__doc__, "tcp://127.0.0.1:5556")
     parser.add_argument("--workers", type=int, choices=range(1, 33), default=4, metavar="N", help="how many threads")
@@ -57,20 +62,17 @@ def main() -> None:
                 # Not until there are no more: the replies have their turn, too.
                 for _ in range(MOST):
                     *way, text = socket.recv_multipart(zmq.NOBLOCK)
-                    right = len(way) == 2 or way[1:-1] == [b""]
-                    # To hand an echo to a worker would cost more than to answer it.
-                    if right and text.startswith(b"echo "):
-                        # Frame by frame: send_multipart would make it take longer here.
-                        for frame in way:
-                            socket.send(frame, zmq.SNDMORE)
-                        socket.send(workers.at_once(text))
+                    if len(way) != 2 and way[1:-1] != [b""]:
+                        # Other frames are no request: the reply to an empty text says so.
+                        socket.send_multipart([*way[:3], workers.at_once(b"")])
+                    elif text.startswith(b"echo "):
+                        # To hand an echo to a worker would cost more than to answer it.
+                        socket.send_multipart([*way, workers.at_once(text)])
+                    elif way not in at_work and is_busy(at_work, way[0]):
+                        socket.send_multipart([*way, b"error: busy, try again later"])
                     elif way not in at_work:
-                        if len(at_work) < MOST and sum(peer == way[0] for peer, *_ in at_work) < MOST // 4:
-                            # Other frames are no request, and the empty text is answered with an error.
-                            at_work.append(way[:3])
-                            workers.begin(way[:3], text if right else b"")
-                        else:
-                            socket.send_multipart([*way[:3], b"error: busy, try again later"])
+                        at_work.append(way)
+                        workers.begin(way, text)
 
 
 if __name__ == "__main__":

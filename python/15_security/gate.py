@@ -102,20 +102,23 @@ class Gate:
 
 def main() -> None:
     parser = server_options(__doc__, "tcp://127.0.0.1:5565")
-    # The server may be on another machine: whoever is on the way there reads along.
+    # The server may be on another machine, and every machine on the way there can read along.
     example = "tcp://127.0.0.1:5554"
     parser.add_argument("--to", type=client_endpoint(example), required=True, help=f"the server behind it: {example}")
     parser.add_argument("--keys", type=Path, metavar="DIR", help="the gate's pair, and allowed/; default: keys")
     options = parser.parse_args()
 
-    def prepare(context: Context, door: Socket) -> None:
-        """Before it listens: whoever comes first must be asked about already."""
-        options.gate = Gate(context, door, options.to, keys_for(options.keys or "keys", make=True))
-        options.gate.allowed.answer(context)
-        options.gate.allowed.guard(door)
+    allowed: AllowList
 
-    with listening(zmq.ROUTER, options, LARGEST_BYTES, prepare):
-        options.gate.pass_on()
+    def prepare(context: Context, door: Socket) -> None:
+        """Before it listens: libzmq must ask about the first client already."""
+        nonlocal allowed
+        allowed = keys_for(options.keys or "keys", make=True)
+        allowed.answer(context)
+        allowed.guard(door)
+
+    with listening(zmq.ROUTER, options, LARGEST_BYTES, prepare) as door:
+        Gate(door.context, door, options.to, allowed).pass_on()
 
 
 if __name__ == "__main__":

@@ -49,17 +49,20 @@ def main() -> None:
     parser.add_argument("--any-domain", action="store_true", help="trouble: with it, everybody may")
     options = parser.parse_args()
 
+    allowed: AllowList
+
     def prepare(context: Context, socket: Socket) -> None:
-        """Before the socket listens: whoever comes first must be asked about already."""
-        options.allowed = keys_for(options.keys or "keys", make=True)
+        """Before the socket listens: libzmq must ask about the first client already."""
+        nonlocal allowed
+        allowed = keys_for(options.keys or "keys", make=True)
         if not options.no_authenticator:
-            options.allowed.answer(context)
-        options.allowed.guard(socket)
+            allowed.answer(context)
+        allowed.guard(socket)
         if options.any_domain:
             socket.setsockopt(zmq.ZAP_ENFORCE_DOMAIN, 0)
 
     with listening(zmq.REP, options, prepare=prepare) as socket:
-        serve(socket, options.allowed)
+        serve(socket, allowed)
 
 
 if __name__ == "__main__":

@@ -67,6 +67,78 @@ class Browser:
             socket.close()
 
 
+class Gateway(socketio.AsyncNamespace):  # type: ignore[misc, unused-ignore]  # It has no types.
+    """The browsers that are here, and what they ask."""
+
+    def __init__(self, door: Door, names: list[str], opened: Callable[[str], BrowserSocket]) -> None:
+        super().__init__("/")
+        self.door, self.names, self.opened = door, names, opened
+        self.browsers: dict[str, Browser] = {}
+
+    async def trigger_event(self, event: str, sid: str, *args: Any) -> Any:
+        # Any other name is a request: a browser that asks for an unknown one gets an answer, too.
+        if event == "connect":
+            return self.come_in(sid, *args)
+        if event == "disconnect":
+            return self.leave(sid)
+        return await self.ask(event, sid, *args)
+
+    def come_in(self, sid: str, environ: Any = None, auth: Any = None, *_: Any) -> None:
+        # A browser may send an event of this name, too, when it is here already.
+        if sid in self.browsers:
+            return
+        token = auth.get("token") if isinstance(auth, dict) else None
+        if why := self.door.refusal(token) or self.door.full():
+            raise socketio.exceptions.ConnectionRefusedError(why)
+        self.browsers[sid] = Browser()
+        self.browsers[sid].inside.enter_context(self.door.entered("Socket.IO"))
+
+    def leave(self, sid: str) -> None:
+        if sid in self.browsers:
+            self.browsers.pop(sid).close()
+
+    async def let_go(self, sid: str, browser: Browser) -> None:
+        """Behind the answer that says why: no client hears what comes after its end."""
+        await self.server.disconnect(sid)
+        browser.close()
+
+    def connection(self, sid: str) -> str:
+        """Engine.IO's own name of a browser."""
+        return str(self.server.manager.eio_sid_from_sid(sid, "/"))
+
+    def connections(self) -> set[str]:
+        return {self.connection(sid) for sid in self.browsers}
+
+    async def ask(self, name: str, sid: str, *frames: Any) -> Any:
+        # A request from before its leave may be read after it.
+        if sid not in self.browsers:
+            return await self.server.disconnect(sid)
+        browser = self.browsers[sid]
+        unread = self.server.eio.sockets[self.connection(sid)].queue.qsize()
+        if unread > MOST_WAITING or browser.waiting == MOST_WAITING:
+            log.warning("let a browser go: %s of its requests, or answers for it, wait", MOST_WAITING)
+            # Out of the dictionary at once, so that this is said once.
+            self.server.start_background_task(self.let_go, sid, self.browsers.pop(sid))
+            return {"error": "too many requests at once"}
+        if name not in self.names:
+            return {"error": f"behind the gateway there are {', '.join(self.names)}, no {name!r:.40}"}
+        if name not in browser.sockets:
+            browser.sockets[name] = self.opened(name), asyncio.Lock()
+        socket, turn = browser.sockets[name]
+        browser.waiting += 1
+        try:
+            # A ZeroMQ socket has one request under way.
+            async with turn:
+                if sid not in self.browsers:
+                    # A socket that is opened now nobody would close.
+                    return None
+                return answer(frames, await socket.ask([to_bytes(frame) for frame in frames]))
+        except (TimeoutError, ValueError) as error:
+            return {"error": str(error)}
+        finally:
+            browser.waiting -= 1
+
+
 def attach(app: web.Application, door: Door, names: list[str], opened: Callable[[str], BrowserSocket]) -> None:
     """Browsers may ask for these names, and each gets sockets of its own from `opened`."""
     # With more requests at once by HTTP, python-socketio drops them all without a word: its own 16 are few. A million
@@ -85,66 +157,10 @@ def attach(app: web.Application, door: Door, names: list[str], opened: Callable[
         ping_timeout=10,
         engineio_logger=noise,
     )
-    browsers: dict[str, Browser] = {}
-
-    async def come_in(sid: str, environ: Any = None, auth: Any = None, *_: Any) -> None:
-        # A browser may send an event of this name, too, when it is here already.
-        if sid in browsers:
-            return
-        token = auth.get("token") if isinstance(auth, dict) else None
-        if why := door.refusal(token) or door.full():
-            raise socketio.exceptions.ConnectionRefusedError(why)
-        browsers[sid] = Browser()
-        browsers[sid].inside.enter_context(door.entered("Socket.IO"))
-
-    async def leave(sid: str, *_: Any) -> None:
-        if sid in browsers:
-            browsers.pop(sid).close()
-
-    async def let_go(sid: str, browser: Browser) -> None:
-        """Behind the answer that says why: no client hears what comes after its end."""
-        await server.disconnect(sid)
-        browser.close()
-
-    async def ask(name: str, sid: str, *frames: Any) -> Any:
-        # A request from before its leave may be read after it.
-        if sid not in browsers:
-            return await server.disconnect(sid)
-        browser = browsers[sid]
-        unread = server.eio.sockets[server.manager.eio_sid_from_sid(sid, "/")].queue.qsize()
-        if unread > MOST_WAITING or browser.waiting == MOST_WAITING:
-            log.warning("let a browser go: %s of its requests, or answers for it, wait", MOST_WAITING)
-            # Out of the dictionary at once, so that this is said once.
-            server.start_background_task(let_go, sid, browsers.pop(sid))
-            return {"error": "too many requests at once"}
-        if name not in names:
-            return {"error": f"behind the gateway there are {', '.join(names)}, no {name!r:.40}"}
-        if name not in browser.sockets:
-            browser.sockets[name] = opened(name), asyncio.Lock()
-        socket, turn = browser.sockets[name]
-        browser.waiting += 1
-        try:
-            # A ZeroMQ socket has one request under way.
-            async with turn:
-                if sid not in browsers:
-                    # A socket that is opened now nobody would close.
-                    return None
-                return answer(frames, await socket.ask([to_bytes(frame) for frame in frames]))
-        except (TimeoutError, ValueError) as error:
-            return {"error": str(error)}
-        finally:
-            browser.waiting -= 1
-
-    server.on("connect", come_in)
-    server.on("disconnect", leave)
-    # Any name: a browser that asks for an unknown one gets an answer, too.
-    server.on("*", ask)
+    gateway = Gateway(door, names, opened)
+    server.register_namespace(gateway)
     server.attach(app)
-
-    def inside() -> set[str]:
-        return {server.manager.eio_sid_from_sid(sid, "/") for sid in browsers}
-
-    server.start_background_task(close_strangers, server.eio.sockets, inside)
+    server.start_background_task(close_strangers, server.eio.sockets, gateway.connections)
 
 
 def to_bytes(frame: Any) -> bytes:
