@@ -2,7 +2,7 @@
 
     for step in picture(100, b"", ""): ...
 
-netmq_example/jobs/work.py says what a step is. Put your own kinds into KINDS.
+netmq_example/work.py says what a step is. Put your own kinds into KINDS.
 """
 
 import time
@@ -10,9 +10,10 @@ from array import array
 from collections import deque
 from collections.abc import Iterator
 
-# A kind of your own raises WorkError when it cannot be done.
-from netmq_example.jobs.work import Kind, Step, WorkError  # noqa: F401
 from netmq_example.messages import Array
+
+# A kind of your own raises WorkError when it cannot be done.
+from netmq_example.work import Kind, Step, WorkError  # noqa: F401
 
 UNIT_SECONDS = 0.02
 # After so many turns a point counts as inside the Mandelbrot set.

@@ -24,9 +24,9 @@ from netmq_example.asking import wrong_usage
 from netmq_example.beacon import server_options
 from netmq_example.jobs.jobs import Jobs
 from netmq_example.jobs.journal import Journal
-from netmq_example.jobs.work import Kind
 from netmq_example.program import few_answers_wait, listening, option, run, seconds
 from netmq_example.talk.ollama import address, ollama_talk
+from netmq_example.work import Kind
 
 
 def main() -> None:

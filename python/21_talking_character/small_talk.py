@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterator
 from zlib import crc32
 
-from netmq_example.jobs.work import Step
+from netmq_example.work import Step
 
 OPENINGS = ("Good evening, traveller.", "Mind the third plank!", "Ah, a voice in the fog.", "You again?")
 TALES = (

@@ -150,8 +150,8 @@ def not_for_anyone(endpoint: str, allowed: Any, cure: str = "say open_to_anyone=
         raise ValueError(f"'{endpoint}' would let anyone in, who could end it; use lesson 15's keys, or {cure}")
 
 
-def cannot_listen(endpoint: str, error: zmq.ZMQError, cure: str) -> ListenError:
-    return ListenError(error.errno, f"cannot listen on {endpoint}: {zmq.strerror(error.errno or 0)}; {cure}")
+def cannot_listen(endpoint: str, error: zmq.ZMQError | OSError, cure: str, why: str | None = None) -> ListenError:
+    return ListenError(error.errno, f"cannot listen on {endpoint}: {why or zmq.strerror(error.errno or 0)}; {cure}")
 
 
 def bind(socket: Socket, endpoint: str, cure: str = "tcp://127.0.0.1:0 takes a free port") -> str:

@@ -28,9 +28,9 @@ from netmq_example.jobs import journal, workers
 from netmq_example.jobs.client import JobClient
 from netmq_example.jobs.jobs import Jobs
 from netmq_example.jobs.journal import Journal
-from netmq_example.jobs.work import Kind, Step
 from netmq_example.jobs.workers import Workers
 from netmq_example.messages import Array, Message
+from netmq_example.work import Kind, Step
 from tests.conftest import PYTHON
 from tests.lessons.long_jobs.peers import KEY, Message, copied, jobs_server, peer, read, units
 from tests.programs import LIMIT, ROOT

@@ -18,8 +18,8 @@ import zmq
 
 from kitlib.setup import dotnet
 from netmq_example.jobs.client import JobClient
-from netmq_example.jobs.work import WorkError
 from netmq_example.talk.ollama import ollama_talk
+from netmq_example.work import WorkError
 from tests.bad_peers import web_server
 from tests.conftest import CLIENTS
 from tests.lessons.long_jobs.peers import Message, Peer, read

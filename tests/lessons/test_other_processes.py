@@ -393,7 +393,7 @@ def test_a_notebook_without_a_package_is_told_how_its_own_python_gets_it(package
 CELL = """
 import sys
 sys.path[:0] = [{python!r}]
-from netmq_example.jobs.work import Kind, Step
+from netmq_example.work import Kind, Step
 from netmq_example.jobs.workers import check_kinds
 
 def mine(total, finished, text):

@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     from netmq_example.jobs.client import JobClient
     from netmq_example.jobs.jobs import Jobs
     from netmq_example.jobs.journal import Journal
-    from netmq_example.jobs.work import Kind, Step, WorkError
+    from netmq_example.work import Kind, Step, WorkError
 
 __all__ = ["JobClient", "Jobs", "Journal", "Kind", "Step", "WorkError"]
 
@@ -18,6 +18,6 @@ if not TYPE_CHECKING:
         "client": "JobClient",
         "jobs": "Jobs",
         "journal": "Journal",
-        "work": "Kind Step WorkError",
+        "workers": "Kind Step WorkError",
     }
     __getattr__, __dir__ = door(__name__, ROOMS)

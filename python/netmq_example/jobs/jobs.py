@@ -33,9 +33,9 @@ import zmq
 from netmq_example import check
 from netmq_example.jobs.client import job_id
 from netmq_example.jobs.journal import Journal
-from netmq_example.jobs.work import Kind
 from netmq_example.jobs.workers import MOST_WORKERS, Workers
 from netmq_example.messages import Message, MessageError, take
+from netmq_example.work import Kind
 
 # For which a client is told what is new after it asked: for one that is gone or stuck nothing piles up.
 WATCH_SECONDS = 5.0

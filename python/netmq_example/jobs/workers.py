@@ -30,8 +30,8 @@ from socket import socketpair
 
 from netmq_example import check
 from netmq_example.console import log_lines
-from netmq_example.jobs.work import Kind, Step, WorkError
 from netmq_example.messages import EXACT, Message, MessageError, take
+from netmq_example.work import Kind, Step, WorkError
 
 MOST_WORKERS = 100
 # Feedback is a state: nobody needs it more often. So a checkpoint is at most that old.

@@ -16,8 +16,8 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from netmq_example import arguments
-from netmq_example.jobs.work import Step, WorkError
 from netmq_example.json_text import shallow
+from netmq_example.work import Step, WorkError
 
 PERSONA = "You keep an old bridge and talk to a traveller. Answer in a few short sentences of plain text."
 # A large model is loaded first.

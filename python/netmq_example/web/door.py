@@ -31,8 +31,7 @@ except ImportError as error:
     raise without(error) from None
 
 from netmq_example import arguments, check
-from netmq_example.errors import ListenError
-from netmq_example.program import IN_USE, more_files
+from netmq_example.program import IN_USE, cannot_listen, more_files
 
 LOOPBACK = ("127.0.0.1", "localhost")
 EVERYWHERE = ("0.0.0.0", "*")
@@ -198,7 +197,7 @@ async def listen(app: web.Application, endpoint: str, token: str) -> tuple[str, 
         cure = "try --endpoint http://127.0.0.1:0, which takes a free port"
         if error.errno == errno.EADDRINUSE:
             cure = f"{IN_USE}, or {cure}"
-        raise ListenError(error.errno, f"cannot listen on {endpoint}: {why}; {cure}") from None
+        raise cannot_listen(endpoint, error, cure, why) from None
     silence.watching = asyncio.create_task(silence.watch(runner.server))
     bound = runner.addresses[0][1]
     log.info("listening on http://%s:%s", host, bound)
