@@ -24,9 +24,8 @@ sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
 from netmq_example.asking import wrong_usage
-from netmq_example.beacon import server_options
 from netmq_example.journal import LONGEST_ID_BYTES, Connection, Journal
-from netmq_example.program import listening, receive, run, text_of, whole
+from netmq_example.program import listening, receive, run, server_options, text_of, whole
 from netmq_example.replies import id_and_text
 
 

@@ -17,8 +17,7 @@ from pathlib import Path
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.beacon import server_options
-from netmq_example.program import encoded, listening, run, seconds
+from netmq_example.program import encoded, listening, run, seconds, server_options
 
 # Listeners send nothing but subscriptions, and those are short.
 LARGEST_BYTES = 1000

@@ -19,8 +19,7 @@ from pathlib import Path
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.beacon import server_options
-from netmq_example.program import listening, receive, reply_to, run, whole
+from netmq_example.program import listening, receive, reply_to, run, server_options, whole
 from netmq_example.replies import id_and_text
 
 

@@ -17,9 +17,9 @@ from pathlib import Path
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.beacon import server_options
+from netmq_example.large import few_answers_wait, receive_frames
 from netmq_example.messages import LIMIT, Array, Message, MessageError, message_reply
-from netmq_example.program import few_answers_wait, listening, receive_frames, run
+from netmq_example.program import listening, run, server_options
 
 
 def answer(request: Message) -> Message:

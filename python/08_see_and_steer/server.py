@@ -22,9 +22,9 @@ from typing import Any
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.beacon import server_options
 from netmq_example.extras import importing
-from netmq_example.program import listening, receive_frames, run, seconds
+from netmq_example.large import receive_frames
+from netmq_example.program import listening, run, seconds, server_options
 
 with importing("numpy: pip install numpy, or let kit.py run 8 do it"):
     from driver import as_action, follow_road, main_camera

@@ -24,11 +24,11 @@ import zmq
 from work import KINDS
 
 from netmq_example.asking import at_least_one
-from netmq_example.beacon import server_options
 from netmq_example.errors import Error
 from netmq_example.jobs.jobs import Jobs
 from netmq_example.jobs.journal import Journal
-from netmq_example.program import few_answers_wait, listening, run, seconds, whole
+from netmq_example.large import few_answers_wait
+from netmq_example.program import listening, run, seconds, server_options, whole
 
 
 def reached(jobs: Jobs, place: int) -> set[str]:

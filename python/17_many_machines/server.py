@@ -24,11 +24,10 @@ sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
 from netmq_example.asking import positive_seconds
-from netmq_example.beacon import server_options
 from netmq_example.fleet.board import Board
 from netmq_example.fleet.hub import Hub
 from netmq_example.messages import LIMIT
-from netmq_example.program import Context, Socket, listening, run
+from netmq_example.program import Context, Socket, listening, run, server_options
 from netmq_example.security.allow_list import keys_for
 
 

@@ -24,10 +24,9 @@ sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 from walker import persons
 
-from netmq_example.beacon import server_options
 from netmq_example.body.camera import device, watch
 from netmq_example.body.people import Hands, Landmark, People, Pictures, SourceError, as_text, begun, play, read
-from netmq_example.program import encoded, listening, option, run
+from netmq_example.program import encoded, listening, option, run, server_options
 
 MODEL = Path("pose_landmarker_lite.task")
 # Listeners send only subscriptions, and those are short.

@@ -21,10 +21,10 @@ from small_talk import small_talk
 
 from netmq_example import arguments
 from netmq_example.asking import wrong_usage
-from netmq_example.beacon import server_options
 from netmq_example.jobs.jobs import Jobs
 from netmq_example.jobs.journal import Journal
-from netmq_example.program import few_answers_wait, listening, option, run, seconds
+from netmq_example.large import few_answers_wait
+from netmq_example.program import listening, option, run, seconds, server_options
 from netmq_example.talk.ollama import address, ollama_talk
 from netmq_example.work import Kind
 

@@ -8,18 +8,19 @@ with connected(zmq.REQ, options) as socket:
 
 import argparse
 import contextlib
-import socket as sockets
-import threading
 from collections.abc import Callable, Iterator
 
 import zmq
 
 from netmq_example import arguments, check
+from netmq_example.beacon import beacon_name, cure, unknown_host
+from netmq_example.console import printable as printable
+from netmq_example.console import show as show
 from netmq_example.errors import Error, Timeout
+from netmq_example.extras import importing as importing
+from netmq_example.large import few_answers_wait as few_answers_wait
+from netmq_example.large import receive_frames as receive_frames
 from netmq_example.program import LARGEST_BYTES, SLICE_MS, Options, Socket, checked, limit, option
-
-# So long a name server may take, in seconds; the system itself might wait for half a minute.
-LOOK_UP_SECONDS = 3.0
 
 
 def client_options(about: str, endpoint: str, timeout: float, beacon: bool = False) -> argparse.ArgumentParser:
@@ -42,6 +43,11 @@ def client_endpoint(example: str, beacon: bool = False) -> Callable[[str], str]:
         return text
 
     return known
+
+
+def a_name(text: str) -> str:
+    """The name of a beacon."""
+    return option(beacon_name, text, str)
 
 
 def positive_seconds(text: str) -> float:
@@ -77,28 +83,3 @@ def connected(kind: int, options: argparse.Namespace, largest: int = LARGEST_BYT
         except zmq.Again:
             why = cure(options.endpoint, f"is the server running, or its reply over {largest >> 10} KB?")
             raise Timeout(f"no reply from {options.endpoint} within {options.timeout:g} s; {why}") from None
-
-
-def cure(endpoint: str, otherwise: str) -> str:
-    """What to look at where nothing came: the host's name, if that is unknown. libzmq itself never says so."""
-    unknown = unknown_host(endpoint)
-    return f"{unknown}: is it spelt so, and is the network there?" if unknown else otherwise
-
-
-def unknown_host(endpoint: str) -> str:
-    """What to say about a host that has no address. An empty text: it has one, or no name server says anything."""
-    scheme, _, place = endpoint.partition("://")
-    host = place.rpartition(":")[0]
-    unknown: list[str] = []
-
-    def look_up() -> None:
-        try:
-            sockets.getaddrinfo(host, None)
-        except (OSError, UnicodeError):
-            unknown.append(f"unknown host '{host}'")
-
-    if scheme not in ("beacon", "ipc", "inproc"):
-        thread = threading.Thread(target=look_up, daemon=True, name="netmq_example look-up")
-        thread.start()
-        thread.join(LOOK_UP_SECONDS)
-    return "".join(unknown)

@@ -9,21 +9,16 @@ its networks; after half a second without an answer also to each of the 254 addr
 no broadcast and some networks carry none. Anybody can answer: who the server is, only lesson 15's keys prove.
 """
 
-import argparse
 import contextlib
-import functools
 import logging
 import re
 import socket
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager
+from collections.abc import Iterator
 from typing import Any
 
-from netmq_example import program
-from netmq_example.asking import cure
 from netmq_example.errors import Error
 
 if sys.platform != "win32":
@@ -32,6 +27,8 @@ if sys.platform != "win32":
     # SIOCGIFADDR and SIOCGIFNETMASK of `man 7 netdevice`, and macOS's.
     ADDRESS_AND_MASK = (0x8915, 0x891B) if sys.platform == "linux" else (0xC0206921, 0xC0206925)
 
+# So long a name server may take, in seconds; the system itself might wait for half a minute.
+LOOK_UP_SECONDS = 3.0
 # From one question to the next, in seconds.
 ROUND = 0.5
 # From one piece of a question to the next, where the system takes no more at once.
@@ -54,18 +51,6 @@ def beacon_name(name: str, value: Any) -> str:
 
 def datagram(name: str, mark: str) -> bytes:
     return f"NMQX2 {name}{mark}".encode()
-
-
-def server_options(about: str | None, endpoint: str) -> argparse.ArgumentParser:
-    """Those of program.py, and --beacon, by which `listening` answers to whoever looks for the server."""
-    parser = program.server_options(about, endpoint)
-    what = "clients may look for it as beacon://NAME:PORT"
-    parser.add_argument("--beacon", type=as_beacon, metavar="NAME", help=what)
-    return parser
-
-
-def as_beacon(text: str) -> Callable[[str], AbstractContextManager[None]]:
-    return functools.partial(answering, program.option(beacon_name, text, str))
 
 
 @contextlib.contextmanager
@@ -196,6 +181,31 @@ class BeaconSearch:
         self.vain = 0
         self.unasked = []
         self.asked = set()
+
+
+def cure(endpoint: str, otherwise: str) -> str:
+    """What to look at where nothing came: the host's name, if that is unknown. libzmq itself never says so."""
+    unknown = unknown_host(endpoint)
+    return f"{unknown}: is it spelt so, and is the network there?" if unknown else otherwise
+
+
+def unknown_host(endpoint: str) -> str:
+    """What to say about a host that has no address. An empty text: it has one, or no name server says anything."""
+    scheme, _, place = endpoint.partition("://")
+    host = place.rpartition(":")[0]
+    unknown: list[str] = []
+
+    def look_up() -> None:
+        try:
+            socket.getaddrinfo(host, None)
+        except (OSError, UnicodeError):
+            unknown.append(f"unknown host '{host}'")
+
+    if scheme not in ("beacon", "ipc", "inproc"):
+        thread = threading.Thread(target=look_up, daemon=True, name="netmq_example look-up")
+        thread.start()
+        thread.join(LOOK_UP_SECONDS)
+    return "".join(unknown)
 
 
 def networks() -> dict[str, str]:

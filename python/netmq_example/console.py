@@ -129,17 +129,6 @@ def again(number: int) -> None:
         signal.pthread_kill(threading.main_thread().ident or 0, number)
 
 
-def at_eof() -> None:
-    """Ctrl-C, as soon as nobody can write to standard input: who started this program closed it, or is gone."""
-    try:
-        while os.read(0, 4096):
-            pass
-    except OSError:
-        # There is none.
-        pass
-    again(signal.SIGINT)
-
-
 def is_dropped(frame: FrameType) -> bool:
     """Whether nobody would hear of an exception: in a destructor, or where the import system tidies up."""
     return frame.f_code.co_name == "__del__" or frame.f_code.co_qualname.startswith("_get_module_lock")

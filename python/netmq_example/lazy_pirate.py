@@ -17,8 +17,7 @@ from collections.abc import Callable
 import zmq
 
 from netmq_example import arguments, check
-from netmq_example.asking import LOOK_UP_SECONDS
-from netmq_example.beacon import BeaconSearch
+from netmq_example.beacon import LOOK_UP_SECONDS, BeaconSearch
 from netmq_example.console import printable
 from netmq_example.errors import Closed, Refused, Timeout
 from netmq_example.former import positional

@@ -13,6 +13,8 @@ A client has asking.py besides. Shared/NetMQConnection.cs is the C# version of b
 
 import argparse
 import contextlib
+import functools
+import importlib
 import io
 import math
 import os
@@ -27,7 +29,7 @@ from typing import Any, TypeVar
 import zmq
 
 from netmq_example import check, console
-from netmq_example.errors import Error, ListenError, MessageError
+from netmq_example.errors import Error, ListenError, MessageError, Misfit
 
 Context = zmq.Context[zmq.Socket[bytes]]
 Socket = zmq.Socket[bytes]
@@ -57,7 +59,9 @@ class Options(argparse.ArgumentParser):
             words = []
         found = super().parse_args(words, namespace)
         if getattr(found, "until_eof", False):
-            threading.Thread(target=console.at_eof, daemon=True).start()
+            from netmq_example.until_eof import at_eof
+
+            threading.Thread(target=at_eof, daemon=True).start()
         return found
 
 
@@ -66,8 +70,15 @@ def server_options(about: str | None, endpoint: str) -> argparse.ArgumentParser:
     parser = Options(description=(about or "").partition("\n")[0])
     parser.add_argument("--endpoint", type=server_endpoint(endpoint), default=endpoint, help="port 0 takes a free one")
     parser.add_argument("--open-to-anyone", action="store_true", help="other machines too: each can end the server")
+    parser.add_argument("--beacon", type=beacon, metavar="NAME", help="clients may look for it as beacon://NAME:PORT")
     parser.add_argument("--until-eof", action="store_true", help="end when standard input does: with what started it")
     return parser
+
+
+def beacon(text: str) -> Callable[[str], contextlib.AbstractContextManager[None]]:
+    from netmq_example.beacon import answering, beacon_name
+
+    return functools.partial(answering, option(beacon_name, text, str))
 
 
 def seconds(text: str) -> float:
@@ -121,7 +132,7 @@ def listening(
     own `endpoint`, and another `word` in its line; without a word there is no line.
     """
     endpoint = endpoint or options.endpoint
-    beacon = getattr(options, "beacon", None) or contextlib.nullcontext
+    announced = getattr(options, "beacon", None) or contextlib.nullcontext
     try:
         not_for_anyone(endpoint, options.open_to_anyone or getattr(options, "keys", None), "add --open-to-anyone")
     except ValueError as error:
@@ -138,7 +149,7 @@ def listening(
             # Printed here: in a thread nobody would hear of it.
             print(error, file=sys.stderr)
             sys.exit(1)
-        with beacon(bound):
+        with announced(bound):
             if word:
                 print(f"{word} on {bound}", flush=True)
             yield socket
@@ -173,19 +184,9 @@ def limit(socket: Socket, largest: int = LARGEST_BYTES) -> None:
         socket.rcvhwm = max(2, WAITING_BYTES // largest)
 
 
-def few_answers_wait(context: Context, socket: Socket) -> None:
-    """To `prepare` a server with large answers. More are dropped: a client that reads none fills no memory."""
-    socket.sndhwm = 10
-
-
 def receive(socket: Socket, timeout: float = math.inf) -> list[bytes]:
     """The frames of the next message; zmq.Again if none comes within `timeout` seconds."""
     return next_message(socket.recv_multipart, timeout)
-
-
-def receive_frames(socket: Socket, timeout: float = math.inf) -> list[zmq.Frame]:
-    """The same, not copied into bytes: for large frames, and where it counts who sent one."""
-    return next_message(lambda: socket.recv_multipart(copy=False), timeout)
 
 
 def next_message(recv_multipart: Callable[[], list[T]], timeout: float) -> list[T]:
@@ -238,13 +239,6 @@ def sendable(text: str) -> bytes:
         raise Misfit(f"answer returned what cannot be sent: {error}") from None
 
 
-class Misfit(KeyError):
-    """A request or a reply is not what was agreed: one line for both sides, and no traceback."""
-
-    # A KeyError's own shows its argument between quotation marks.
-    __str__ = Exception.__str__
-
-
 def more_files() -> int:
     """How many files this program may have open from now on. A client of a gateway or a gate takes three: its
     connection, its ZeroMQ socket, and that one's connection. Often 1024 are allowed."""
@@ -294,3 +288,10 @@ def run(main: Callable[[], None], stopped: str | None = None) -> None:
         raise SystemExit(1) from None
     except OSError as error:
         raise SystemExit(f"failed: {error}") from None
+
+
+def __getattr__(name: str) -> Any:
+    # The names of clients and of large messages are loaded when they are used. Each import asks for __path__.
+    if name.startswith("__"):
+        raise AttributeError(name)
+    return getattr(importlib.import_module("netmq_example.asking"), name)

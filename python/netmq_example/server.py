@@ -28,6 +28,7 @@ from netmq_example.beacon import answering, beacon_name
 from netmq_example.errors import Closed, MessageError
 from netmq_example.finalizers import undisturbed
 from netmq_example.journal import LONGEST_ID_BYTES, Connection, Journal
+from netmq_example.large import few_answers_wait
 from netmq_example.messages import LIMIT, Message, message_reply
 from netmq_example.one_process import OneProcess, one_at_a_time
 from netmq_example.program import (
@@ -36,7 +37,6 @@ from netmq_example.program import (
     Context,
     Socket,
     bind,
-    few_answers_wait,
     limit,
     not_for_anyone,
     reply_to,

@@ -15,8 +15,7 @@ from collections.abc import Iterator
 import zmq
 
 from netmq_example import arguments, check
-from netmq_example.asking import LOOK_UP_SECONDS
-from netmq_example.beacon import BeaconSearch
+from netmq_example.beacon import LOOK_UP_SECONDS, BeaconSearch
 from netmq_example.errors import Closed, Timeout
 from netmq_example.former import positional
 from netmq_example.one_process import Keys, OneProcess
