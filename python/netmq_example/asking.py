@@ -13,7 +13,10 @@ from collections.abc import Callable, Iterator
 import zmq
 
 from netmq_example import arguments, check
-from netmq_example.beacon import beacon_name, cure, unknown_host
+from netmq_example.beacon import LOOK_UP_SECONDS as LOOK_UP_SECONDS
+from netmq_example.beacon import beacon_name
+from netmq_example.beacon import cure as cure
+from netmq_example.beacon import unknown_host as unknown_host
 from netmq_example.console import printable as printable
 from netmq_example.console import show as show
 from netmq_example.errors import Error, Timeout

@@ -15,6 +15,7 @@ from typing import Any
 from netmq_example.console import printable
 from netmq_example.errors import Misfit
 from netmq_example.json_text import shallow
+from netmq_example.program import reply_to as reply_to
 
 
 def id_and_text(frames: list[bytes]) -> tuple[list[bytes], bytes, bytes]:

@@ -12,7 +12,7 @@ import sys
 import pytest
 import zmq
 
-from netmq_example import replies
+from netmq_example import replies, trouble
 from tests.bad_peers import ProtocolBreaker
 from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.conftest import answering, ask
@@ -199,7 +199,7 @@ def test_a_client_does_not_wait_for_ever_to_send(kind, run):
 
 def test_a_mistake_in_ones_own_answer_is_told_to_both_sides(printed, monkeypatch):
     # Each has its traceback once.
-    monkeypatch.setattr(replies, "again", {})
+    monkeypatch.setattr(trouble, "again", {})
 
     def raising(text):
         raise ValueError(text)
@@ -228,7 +228,7 @@ def test_a_mistake_in_ones_own_answer_is_told_to_both_sides(printed, monkeypatch
 )
 def test_an_answer_that_cannot_be_sent_is_one_line(text, why, printed, monkeypatch):
     """It may be the fault of whoever asked."""
-    monkeypatch.setattr(replies, "again", {})
+    monkeypatch.setattr(trouble, "again", {})
     line = f"answer returned {why}"
     assert replies.reply_to(lambda request: text, b"ask").startswith(f"error: {line}".encode())
     said = printed.readouterr()
