@@ -1,5 +1,5 @@
-"""What libraries do with the environments of lessons 09, 10 and 11: they copy and pickle them, ask for what Gymnasium's
-and PettingZoo's own have, and end in whatever way, after which no simulator may be left.
+"""Libraries copy and pickle the environments of lessons 09, 10 and 11, ask for all that Gymnasium's and PettingZoo's
+own have, and end in whatever way, after which no simulator may be left.
 """
 
 from __future__ import annotations
@@ -172,7 +172,7 @@ class Least(gymnasium.Env):  # type: ignore[name-defined]
 
 
 def public(kind, *others):
-    """What they have, or are declared to have."""
+    """All names that they have, or are declared to have."""
     names = {name for one in kind.__mro__ for name in vars(one).get("__annotations__", ())}
     return {name for name in names.union(dir(kind), *map(dir, others)) if not name.startswith("_")}
 
@@ -245,7 +245,7 @@ def test_no_simulator_is_left_however_a_script_ends(kind, many, start, launch, t
         scripts[how] = mark, start(PYTHON, script, many, how, *words, **mark.environment)
     for how, (mark, program) in scripts.items():
         program.wait_for("^ready")
-        # Whoever ends at once may be gone by now.
+        # A script that ends at once may be gone by now.
         if ENDS[how]:
             assert len(simulators(mark)) == (2 if many == "async" else 1)
             program.process.send_signal(ENDS[how])

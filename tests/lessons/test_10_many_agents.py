@@ -1,4 +1,4 @@
-"""Lesson 10: areas as Gymnasium's vectors, agents as PettingZoo's, each with each simulator. What can go wrong is in
+"""Lesson 10: areas as Gymnasium's vectors, agents as PettingZoo's, each with each simulator. Faults are in
 test_10_many_agents_faults.py.
 """
 
@@ -22,8 +22,6 @@ np = pytest.importorskip("numpy", reason="lesson 10 needs numpy: kit.py run 10 i
 pytest.importorskip("pettingzoo", reason="lesson 10 needs pettingzoo: kit.py run 10 installs it")
 from gymnasium import spaces  # noqa: E402
 from gymnasium.utils.env_checker import data_equivalence  # noqa: E402
-from gymnasium.vector import AutoresetMode  # noqa: E402
-from gymnasium.wrappers.vector import RecordEpisodeStatistics  # noqa: E402
 from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test  # noqa: E402
 from pettingzoo.utils.conversions import parallel_to_aec  # noqa: E402
 
@@ -32,7 +30,7 @@ sys.path.append(str(ROOT / "python" / KEY))
 from netmq_example import trees  # noqa: E402
 from netmq_example.envs import ZmqParallelEnv  # noqa: E402
 from netmq_example.envs.launch import game  # noqa: E402
-from netmq_example.messages import Array, Message, MessageError  # noqa: E402
+from netmq_example.messages import Message, MessageError  # noqa: E402
 from netmq_example.records import ASKS, NOTHING, RESET, STEP, Record, seeds  # noqa: E402
 from netmq_example.simulation.agents import AgentSimulator  # noqa: E402
 from netmq_example.simulation.areas import AreaSimulator  # noqa: E402
@@ -89,7 +87,7 @@ def played(kind, kept, launch):
 
 
 def steps(*numbers):
-    """What Python would send for so many that step, each with the number of a discrete action."""
+    """A request in which so many step, each with the number of a discrete action."""
     rows = [number.to_bytes(8, "little") for number in numbers]
     return Record(ASKS, 0, bytes(8 * len(rows)), [STEP] * len(rows), rows)
 
@@ -99,8 +97,7 @@ def resets(orders, options=b""):
 
 
 def info(value):
-    data = trees.write(value)
-    return Message("info", 0, {}, [Array("uint8", (len(data),), data)])
+    return Message("info", 0, {}, [trees.array_of(trees.write(value))])
 
 
 # Areas
@@ -140,20 +137,6 @@ def test_a_crowd_of_cars_stays_on_its_roads(kind, serve, start, client_command):
     server.wait_for("^1000 steps of 3 areas: 3 episodes ended$")
     assert client.wait() == 0
     assert client.lines[-1] == "done: 3 episodes, 3000 steps"
-
-
-@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
-def test_gymnasiums_vector_wrappers_work(mode, areas):
-    if mode == AutoresetMode.SAME_STEP and gymnasium.__version__ < "1.4":
-        pytest.skip("before Gymnasium 1.4 its wrapper miscounts episodes that began at once")
-    envs = RecordEpisodeStatistics(areas(autoreset_mode=mode, max_episode_steps=5))
-    envs.reset(seed=1)
-    lengths = []
-    for _ in range(20):
-        *_, infos = envs.step(np.arange(AREAS) % 2)
-        if "episode" in infos:
-            lengths += list(infos["episode"]["l"][infos["_episode"]])
-    assert set(lengths) == {5} and len(lengths) >= 3 * AREAS
 
 
 def test_each_area_has_its_picture(csharp_areas, areas):

@@ -1,17 +1,21 @@
-"""Lesson 10, worlds of one's own: those of the pages, as they stand there, and the same game in Python."""
+"""Lesson 10, worlds of one's own: those of the pages, as they stand there, and the same game in Python. Robots of a
+page look for a ball by sixteen cameras, and a rule drives them by their pictures alone.
+"""
 
 from __future__ import annotations
 
 import importlib
+import re
 import sys
 import types
+from pathlib import Path
 from typing import Any, ClassVar
 
 import pytest
 
 from kitlib.docs import guide
 from tests.conftest import PYTHON
-from tests.programs import ROOT, steady_endpoint
+from tests.programs import ROOT, elsewhere, steady_endpoint
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 10 needs gymnasium: kit.py run 10 installs it")
 np = pytest.importorskip("numpy", reason="lesson 10 needs numpy: kit.py run 10 installs it")
@@ -74,7 +78,7 @@ def areas_of(inside, world, count):
 
 
 class VecEnv:
-    """What Stable-Baselines3 2.9 does before and around the methods that a class derived from it has."""
+    """As Stable-Baselines3 2.9 has it, around the methods of a class derived from it."""
 
     get_attr: Any
     step_async: Any
@@ -180,7 +184,7 @@ def test_the_bridge_to_stable_baselines3(inside, bridge):
     *_, said = areas.step(actions)
     assert np.array_equal(said[2].pop("terminal_observation"), np.ones(4))
     assert said == [{}, {}, {"TimeLimit.truncated": True}, {}]
-    # What the world has said of each, also with its last step.
+    # The world's infos of each arrive, also with its last step.
     infos = {"metres": np.array([1.5, 0, 0, 0]), "_metres": np.arange(4) == 0, "_final_info": np.arange(4) == 2}
     infos |= {"seed": np.arange(4), "_seed": np.arange(4) == 2}
     infos["final_info"] = {"lost": np.array(["", "", "why", ""], object), "_lost": np.arange(4) == 2}
@@ -262,3 +266,20 @@ def test_the_pages_areas_make_themselves_and_the_one_beside_them_is_none(netmq, 
         envs.close()
     assert player.wait() == 0, player.output
     assert player.output.count("asking ") == 1, player.output
+
+
+def test_robots_find_what_they_see(start, netmq, tmp_path):
+    pytest.importorskip("PIL", reason="the robots see pictures: kit.py run 12 installs Pillow")
+    page = (ROOT / "docs" / "guide" / f"{KEY}.md").read_text(encoding="utf-8")
+    # The areas of the drones, changed as the page says.
+    (line,) = re.findall("^`(area.*;)`$", page, re.MULTILINE)
+    areas = of_the_page("csharp", "class HoverAreas :", "reinforcement_learning").replace("Hover", "Seeker")
+    areas = areas.replace("SetParent(transform);", f"SetParent(transform);\n{line}")
+    (tmp_path / "SeekerAreas.cs").write_text(areas, encoding="utf-8")
+    (tmp_path / "Seeker.cs").write_text(of_the_page("csharp", "class Seeker "), encoding="utf-8")
+    script = Path(__file__).with_name("seek.py").read_text(encoding="utf-8")
+    (tmp_path / "seek.py").write_text(elsewhere(script), encoding="utf-8")
+    seek = start(PYTHON, "seek.py", folder=tmp_path)
+    assert seek.wait(200) == 0, seek.output
+    assert "50 balls were found" in seek.lines
+    assert (tmp_path / "sixteen.gif").read_bytes()[:6] == b"GIF89a"

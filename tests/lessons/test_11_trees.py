@@ -1,5 +1,5 @@
-"""Lesson 11, values of every space: as bytes, in both languages; what becomes of C#'s own types; and merging,
-where a value is written to where a locator says. The language of locators is in test_11_locators.py.
+"""Lesson 11: values of every space as bytes, in both languages; C#'s own types; and merging, where a value is written
+to where a locator says. The language of locators is in test_11_locators.py.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ GOLDEN = json.loads((ROOT / "tests" / "lessons" / "golden" / "11_observations.js
 
 
 def meant(value):
-    """What a value of the golden file stands for: JSON has no arrays, and no graphs."""
+    """Make the value of a golden one: JSON has no arrays, and no graphs."""
     match value:
         case {"array": [dtype, shape, items]}:
             return np.array(items, dtype).reshape(shape)
@@ -163,7 +163,7 @@ def equal(one, other):
     one, other = (tuple(each) if isinstance(each, fit.Chosen) else each for each in (one, other))
     if type(one) in (list, tuple):
         return type(one) is type(other) and len(one) == len(other) and all(map(equal, one, other))
-    # What a Box without dimensions samples is a number, and an array with none is in it as well.
+    # A Box without dimensions samples a number, and an array with none is in it as well.
     return same(*(np.asarray(each) if isinstance(each, np.generic) else each for each in (one, other)))
 
 
@@ -209,48 +209,43 @@ ENDLESS: list[Any] = []
 ENDLESS.append(ENDLESS)
 NAN, INFINITE = struct.pack("<d", math.nan), struct.pack("<d", -math.inf)
 GRAPH = '{"graph":["null","null","null"%s]%s}'
+NUMBERS = [
+    ("int64", bytes(7)),
+    ("int64", bytes(9)),
+    ("float64", bytes(7)),
+    ("text", bytes(3)),
+    *(
+        ("text", struct.pack("<I", length) + text)
+        for length, text in ((5, b"four"), (2**32 - 1, b"four"), (2, b"\xc3("))
+    ),
+    ("bool", b""),
+    ("null", b"\0"),
+    ("bool[1]", bytes(1)),
+    ("uint32[1]", bytes(4)),
+    ("float32[2]", bytes(7)),
+    *((f"float32[{shape}", bytes(8)) for shape in ("2", "2]x", "-2]", "2,]", " 2]")),
+    ("uint8[1,1,1,1,1,1,1,1,1]", bytes(1)),
+    ("uint8[999999999,999999999,999999999]", bytes(8)),
+]
+BAD_TREES = [
+    b"",
+    b"\1\0\0",
+    *(struct.pack("<I", length) + b'"null"' for length in (7, 2**32 - 1)),
+    struct.pack("<I", 8) + b'"\xff\xff\xff\xff"' + b"  ",
+    # Forms that are no JSON, or none of a value.
+    *map(tree, ("{", "NaN", "5", "null", '"\\ud800"', '"nothing"', "[" * 65 + "]" * 65, "{}")),
+    *map(tree, ('{"dict":[]}', '{"dict":{"a":{"b":1}}}', '{"dict":{},"graph":["null","null","null"]}')),
+    *map(
+        tree,
+        ('{"graph":["null","null"]}', '{"graph":{"nodes":"null"}}', GRAPH % (',"null"', ""), GRAPH % ("", ',"x":1')),
+    ),
+    # Forms with other numbers than theirs.
+    *(tree(f'"{form}"', numbers) for form, numbers in NUMBERS),
+]
 WRONG = [
-    (b"", "bad-tree"),
-    (b"\1\0\0", "bad-tree"),
-    (struct.pack("<I", 7) + b'"null"', "bad-tree"),
-    (struct.pack("<I", 2**32 - 1) + b'"null"', "bad-tree"),
-    (tree("{"), "bad-tree"),
-    (tree("NaN"), "bad-tree"),
-    (tree("5"), "bad-tree"),
-    (tree("null"), "bad-tree"),
-    (tree('"\\ud800"'), "bad-tree"),
-    (tree('"nothing"'), "bad-tree"),
-    (struct.pack("<I", 8) + b'"\xff\xff\xff\xff"' + b"  ", "bad-tree"),
-    (tree("[" * 65 + "]" * 65), "bad-tree"),
-    (tree("{}"), "bad-tree"),
-    (tree('{"dict":[]}'), "bad-tree"),
-    (tree('{"dict":{"a":{"b":1}}}'), "bad-tree"),
-    (tree('{"dict":{},"graph":["null","null","null"]}'), "bad-tree"),
-    (tree('{"graph":["null","null"]}'), "bad-tree"),
-    (tree('{"graph":{"nodes":"null"}}'), "bad-tree"),
-    (tree(GRAPH % (',"null"', "")), "bad-tree"),
-    (tree(GRAPH % ("", ',"x":1')), "bad-tree"),
-    (tree('"null"', b"\0"), "bad-tree"),
-    (tree('"bool"'), "bad-tree"),
-    (tree('"int64"', bytes(7)), "bad-tree"),
-    (tree('"int64"', bytes(9)), "bad-tree"),
-    (tree('"float64"', bytes(7)), "bad-tree"),
+    *((data, "bad-tree") for data in BAD_TREES),
     (tree('"float64"', NAN), "bad-value"),
     (tree('["int64","float64"]', bytes(8) + INFINITE), "bad-value"),
-    (tree('"text"', bytes(3)), "bad-tree"),
-    (tree('"text"', struct.pack("<I", 5) + b"four"), "bad-tree"),
-    (tree('"text"', struct.pack("<I", 2**32 - 1) + b"four"), "bad-tree"),
-    (tree('"text"', struct.pack("<I", 2) + b"\xc3("), "bad-tree"),
-    (tree('"uint32[1]"', bytes(4)), "bad-tree"),
-    (tree('"bool[1]"', bytes(1)), "bad-tree"),
-    (tree('"float32[2"', bytes(8)), "bad-tree"),
-    (tree('"float32[2]x"', bytes(8)), "bad-tree"),
-    (tree('"float32[-2]"', bytes(8)), "bad-tree"),
-    (tree('"float32[2,]"', bytes(8)), "bad-tree"),
-    (tree('"float32[ 2]"', bytes(8)), "bad-tree"),
-    (tree('"float32[2]"', bytes(7)), "bad-tree"),
-    (tree('"uint8[1,1,1,1,1,1,1,1,1]"', bytes(1)), "bad-tree"),
-    (tree('"uint8[999999999,999999999,999999999]"', bytes(8)), "bad-tree"),
 ]
 
 
@@ -322,7 +317,7 @@ def test_what_does_not_fit_its_space_is_named_with_its_place(space, value, said)
     assert "\n" not in str(refusal.value)
 
 
-# What C# makes of its own types
+# C#'s own types
 
 
 @pytest.fixture(scope="session")

@@ -1,4 +1,4 @@
-"""Lesson 11, values: what a peer sends that is none, and what a user declares or sends that cannot be: a line each."""
+"""Lesson 11: a peer's bytes that are no values, and a user's spaces and values that cannot be, are a line each."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import Annotated, Any
 import pytest
 import zmq
 
-from tests.lessons.test_11_trees import a_space, equal, same
+from tests.lessons.test_11_trees import a_space, equal
 from tests.programs import LIMIT
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 11 needs gymnasium: kit.py run 11 installs it")
@@ -25,7 +25,7 @@ from netmq_example.envs import UnityAECEnv, UnityGymEnv, UnityParallelEnv, unity
 from netmq_example.envs import merge as fit  # noqa: E402
 from netmq_example.envs.plan import Sight  # noqa: E402
 from netmq_example.locator import parse  # noqa: E402
-from netmq_example.messages import Array, Message, MessageError  # noqa: E402
+from netmq_example.messages import Message, MessageError  # noqa: E402
 from netmq_example.records import Record  # noqa: E402
 from netmq_example.simulation.answers import hello_of  # noqa: E402
 from netmq_example.simulation.scene import Agent, Obs, SceneSimulator  # noqa: E402
@@ -37,14 +37,8 @@ HAS_DTYPE = "dtype" in inspect.signature(spaces.Discrete).parameters
 NARROW = spaces.Discrete(9, **({"dtype": np.int32} if HAS_DTYPE else {}))
 
 
-def value(said):
-    """As the array of a message."""
-    data = trees.write(said)
-    return Array("uint8", (len(data),), data)
-
-
 class Car(Agent):
-    """What it sees is what its test puts there; what it hears it says."""
+    """It sees the value that its test puts there, and says whatever it hears."""
 
     x: Annotated[Any, Obs()] = None
 
@@ -306,17 +300,6 @@ def test_what_nothing_can_be_made_of_is_named_at_once(make, words, named):
     assert "\n" not in str(refusal.value)
 
 
-def test_the_names_are_those_of_gymize(world):
-    """And its AEC class is PettingZoo's own conversion of the other one."""
-    spaces_of = {"observation_spaces": {"agent": spaces.Dict(x=ONE)}, "action_spaces": {"agent": spaces.Discrete(2)}}
-    env = world(simulator=seeing(np.zeros(2)), kind=UnityAECEnv, **spaces_of)
-    env.reset(seed=1)
-    env.send_info("one", "agent")
-    assert env.agent_selection == "agent" and same(env.last()[0], {"x": np.zeros(2, np.float32)})
-    env.step(1)
-    assert env.infos["agent"] == {"env": [], "agent": ["one"]}
-
-
 # The simulator in Python
 
 
@@ -355,10 +338,10 @@ def asks(order, row=b"", options=b"", count=1):
         (asks(records.STEP, trees.write(1)), "wrong-agents"),
         *(
             (Message("info", 1, {}, said), "bad-info")
-            for said in ([], [value(5)], [value(["agent"])], [value([[], 5])])
+            for said in ([], *([trees.array_of(trees.write(each))] for each in (5, ["agent"], [[], 5])))
         ),
-        (Message("info", 1, {}, [value(["bus", 5])]), "unknown-agent"),
-        (Message("info", 1, {}, [Array("uint8", (1,), b"x")]), "bad-tree"),
+        (Message("info", 1, {}, [trees.array_of(trees.write(["bus", 5]))]), "unknown-agent"),
+        (Message("info", 1, {}, [trees.array_of(b"x")]), "bad-tree"),
         (Message("jump", 1), "unknown-kind"),
     ],
 )
@@ -368,17 +351,6 @@ def test_a_request_that_is_none_is_a_line(request_, code, caplog):
     answer = Message.read(simulator.answer(request_))
     assert (answer.kind, answer.values["code"]) == ("error", code), answer.values
     assert caplog.text == ""
-
-
-@pytest.mark.parametrize("row", [b"", tree('"int64"', b"1")])
-def test_an_action_that_is_none_moves_nobody(row):
-    simulator = seeing(1)
-    simulator.hello()
-    simulator.answer(asks(records.RESET, options=trees.write(ASKED)))
-    step = asks(records.STEP, row)
-    step.id = 2
-    assert Message.read(simulator.answer(step)).values["code"] == "bad-tree"
-    assert (simulator.episodes, simulator.steps) == (1, 0)
 
 
 def test_who_has_ended_has_no_more_ticks(world):
@@ -548,7 +520,7 @@ def test_what_is_not_written_stays_whatever_form_comes():
         # The whole of a thing before its parts, as a scene sends them.
         places = sorted((f"'agent'@.{key}", value) for key, value in pairs.items())
         one = planned.read(trees.write_pairs(places))
-        # What must be merged, and changes nothing.
+        # This pair must be merged, and changes nothing.
         nothing = ("'agent'@.a(0) = $(0)", merged.again()["a"])
         other = merged.read(trees.write_pairs([nothing, *places]))
         plans += planned.plan is not None

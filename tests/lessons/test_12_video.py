@@ -1,5 +1,5 @@
-"""Lesson 12: films of the lesson's own drive, read by Pillow; what the games send; and what can go wrong with both
-sides. What a script does with films is in test_12_films.py. Unity's views send as those of the terminal do.
+"""Lesson 12: films of the lesson's own drive, read by Pillow; the games' messages; and faults of both sides. The films
+of a script are in test_12_films.py. Unity's views send as those of the terminal do.
 """
 
 from __future__ import annotations
@@ -188,7 +188,7 @@ def test_two_pictures_are_on_the_way_and_the_game_goes_on(kind, filmer, start, c
         begun = filmer.begin("front")
         first, second = (filmer.next("frame", "ended") for _ in range(2))
         assert [first.kind, second.kind] == ["frame", "frame"]
-        # What never came is not taken by saying so.
+        # A game does not believe that pictures were taken which never came.
         for number in range(100_000, 100_020):
             filmer.say("took", begun.id, view="front", number=number)
         assert not filmer.socket.poll(pause), "a third picture"
@@ -261,7 +261,7 @@ def test_python_is_killed_and_comes_back(kind, serve, start, client_command, tmp
     server.kill()
     pictures, times = shown(film)
     assert len(pictures) >= 3 and max(times) > 0 and is_whole(film), "it plays"
-    # Whoever was about to send just then says the latter.
+    # A client that was about to send just then says the latter.
     client.wait_for("^trouble: (Python is gone|no connection): no more pictures are taken$")
     again, _ = serve(KEY, "--seconds", "1", "--view", "front", endpoint=endpoint)
     again.wait_for(r"^film front_2\.gif: [1-9]")

@@ -1,6 +1,5 @@
-"""The page "You come from ML-Agents": the log channel of its documentation, of early 2020 and of today, in both
-languages. Each line that names ML-Agents is replaced as the page says, and nothing else; and the environment that
-their Python asks is played.
+"""The page "You come from ML-Agents": the log channel of its documentation runs, of early 2020 and of today, in both
+languages. Each line that names ML-Agents is replaced as the page says, and nothing else.
 """
 
 from __future__ import annotations
@@ -398,8 +397,9 @@ def test_the_step_that_ends_an_episode_begins_the_next_one(terminates, corridor)
     assert list(env.get_steps(name)[0]) == [2]
 
 
-def test_max_step_ends_an_episode(corridor):
-    env = corridor(None, (3, True), max_episode_steps=2)
+@pytest.mark.parametrize(("end", "interrupted"), [(3, True), (2, False)])
+def test_max_step_ends_an_episode_and_an_end_in_the_last_step_is_no_interruption(end, interrupted, corridor):
+    env = corridor(None, (end, True), max_episode_steps=2)
     env.reset()
     (name,) = env.behavior_specs
     for _ in range(2):
@@ -407,17 +407,8 @@ def test_max_step_ends_an_episode(corridor):
         assert len(env.get_steps(name)[1]) == 0
         env.step()
         now, over = env.get_steps(name)
-        assert over.interrupted.tolist() == [True] and over.obs[1].tolist() == [2]
+        assert over.interrupted.tolist() == [interrupted] and over.obs[1].tolist() == [2]
         assert now.obs[1].tolist() == [0]
-
-
-def test_an_end_in_the_last_step_is_no_interruption(corridor):
-    env = corridor(None, (2, True), max_episode_steps=2)
-    env.reset()
-    (name,) = env.behavior_specs
-    env.step()
-    env.step()
-    assert env.get_steps(name)[1].interrupted.tolist() == [False]
 
 
 def test_whole_numbers_that_are_several(corridor):
@@ -461,11 +452,12 @@ def test_a_simulator_that_is_missing_has_ml_agents_names(corridor):
     with pytest.raises(UnityTimeOutException, match="the simulator ended with code 2"):
         UnityEnvironment(str(PYTHON), additional_args=["nothing.py"])
     taken = corridor().env.connection.endpoint.rpartition(":")[2]
-    with pytest.raises(UnityWorkerInUseException, match=f"cannot listen on tcp://127.0.0.1:{taken}"):
+    in_use = rf"cannot listen on tcp://127.0.0.1:{taken}: .*; close\(\) the environment that has it"
+    with pytest.raises(UnityWorkerInUseException, match=in_use):
         UnityEnvironment(base_port=int(taken))
     with pytest.raises(TypeError, match=r"^file_name takes a str or PathLike, not \['game"):
         UnityEnvironment(["game"])
-    # Whoever catches Python's own catches them as well.
+    # Scripts that catch Python's own catch them as well.
     assert issubclass(UnityTimeOutException, UnityException) and issubclass(UnityTimeOutException, TimeoutError)
 
 

@@ -153,7 +153,7 @@ def test_a_server_of_something_else_is_given_up(kind, start, client_command):
 
 
 def test_the_programs_of_the_page_talk(start, checks, tmp_path):
-    """Whoever comes again gets all of it again."""
+    """A player that comes again gets all of it again."""
     python, csharp = (block.body for block in guide.blocks(PAGE) if "a file of yours" in block.source)
     assert csharp == (ROOT / "tests" / "lessons" / "checks" / "Weather.cs").read_text(encoding="utf-8")
     (tmp_path / "wind.py").write_text(python, encoding="utf-8")

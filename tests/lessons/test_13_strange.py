@@ -200,19 +200,6 @@ def test_a_python_that_is_silent_for_longer_is_waited_for(start, checks):
     player.kill()
 
 
-def test_the_names_are_those_of_ml_agents():
-    assert EngineConfigurationChannel.ConfigurationType.TIME_SCALE == 2
-    assert EnvironmentParametersChannel.EnvironmentDataTypes.SAMPLER == 1
-    assert EnvironmentParametersChannel.SamplerTypes.MULTIRANGEUNIFORM == 2
-    assert SideChannelManager(None).generate_side_channel_messages() == b""
-    log = GameLog()
-    log.send_string("not sent")
-    log.message_queue = []
-    log.send_string("sent")
-    data = SideChannelManager([log]).generate_side_channel_messages()
-    assert bytes(data) == frame(LOG, b"\4\0\0\0sent")
-
-
 def engine(**settings):
     return EngineConfigurationChannel().set_configuration_parameters(**settings)
 
