@@ -145,10 +145,24 @@ class Lesson:
         return self.number >= 20
 
     @property
+    def how(self) -> dict[str, Any]:
+        """RUN of its server, which says what belongs to a run of the lesson besides server and client."""
+        for node in ast.parse((self.python / "server.py").read_text(encoding="utf-8")).body:
+            match node:
+                case ast.Assign(targets=[ast.Name(id="RUN")], value=value):
+                    found: dict[str, Any] = ast.literal_eval(value)
+                    return found
+        return {}
+
+    @property
     def also(self) -> list[list[str]]:
-        """What else belongs to a run, as the header says it: `Also started: train.py --areas 2`. It gets the server's
-        endpoint."""
-        return [line.split() for line in re.findall(r"^ *Also started: (.+)$", self.header, re.MULTILINE)]
+        """The other programs that are started, and get the server's endpoint, such as `train.py --areas 2`."""
+        return [line.split() for line in self.how.get("also", [])]
+
+    @property
+    def scheme(self) -> str:
+        """How its endpoints begin: a gateway's are those of the web."""
+        return str(self.how.get("scheme", "tcp"))
 
     @property
     def anywhere(self) -> str:
@@ -156,16 +170,9 @@ class Lesson:
         return f"{self.scheme}://127.0.0.1:0"
 
     @property
-    def scheme(self) -> str:
-        """How its endpoints begin: a gateway's are those of the web."""
-        return "http" if re.search(r" listening on http://", self.header) else "tcp"
-
-    @property
     def behind(self) -> list[tuple[str, Lesson]]:
-        """What it passes requests on to, as the header says it: `Started behind it: --hello 01_request_reply`. The
-        option takes where that lesson's server listens."""
-        lines = re.findall(r"^ *Started behind it: (.+)$", self.header, re.MULTILINE)
-        return [(name, Lesson(key)) for line in lines for name, key in re.findall(r"(--\w+) (\w+)", line)]
+        """The lessons whose servers answer behind it, each with the option that takes where that one listens."""
+        return [(name, Lesson(key)) for name, key in self.how.get("behind", {}).items()]
 
 
 def lessons() -> list[Lesson]:
