@@ -46,7 +46,7 @@ def file_of(module: str, importer: Path) -> Path | None:
 @functools.cache
 def rooms(init: Path) -> dict[str, str]:
     """The names that a door lends, each with its module: a type checker reads them from the same lines."""
-    found = {}
+    found: dict[str, str] = {}
     for node in ast.parse(init.read_text(encoding="utf-8"), str(init)).body:
         if isinstance(node, ast.If) and isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING":
             for line in node.body:

@@ -118,10 +118,9 @@ class Session:
 
     def hear(self, name: str, line: str) -> None:
         """The client's last line is the end of the story: it waits for what the server has still to say."""
-        if name != "client":
-            return show(name, line)
-        self.show_last()
-        if line.startswith("done: "):
+        if name == "client":
+            self.show_last()
+        if name == "client" and line.startswith("done: "):
             self.last = line
         else:
             show(name, line)

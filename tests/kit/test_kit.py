@@ -821,7 +821,7 @@ def test_a_lesson_says_what_else_is_started(prepared, start):
     lesson = prepared / "python" / "01_request_reply"
     server = lesson / "server.py"
     text = server.read_text(encoding="utf-8")
-    server.write_text(text.replace("Trouble on command", "Also started: second.py --port 0\nTrouble on command", 1))
+    server.write_text(text.replace("import sys\n", "import sys\n\nRUN = {'also': ['second.py --port 0']}\n", 1))
     (lesson / "second.py").write_text(SECOND, encoding="utf-8")
     # A client that asks until it is stopped: a short one may be done before the other has come to its first line.
     words = ["--client", "python", "--endpoint", "tcp://127.0.0.1:0", "--options=--count 1000000"]
