@@ -8,10 +8,11 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from kitlib import doors, imports
+from kitlib.files import digest, place
 from kitlib.lessons import KIT, PACKAGE, ROOT, KitError, Lesson, UsageError, find
 from kitlib.setup import python_setup
 from kitlib.terminal import command, say
-from kitlib.unity.install import code, digest, place, without_unity
+from kitlib.unity.scripts import code, without_unity
 
 ABOUT = (
     "Copies a lesson's Python programs and just those modules of netmq_example that they import into a folder of yours,"

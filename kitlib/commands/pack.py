@@ -13,7 +13,7 @@ from kitlib.lessons import PACKAGES, ROOT, KitError, UsageError, lessons
 from kitlib.programs import step
 from kitlib.setup import dotnet, python_setup
 from kitlib.terminal import say
-from kitlib.unity.install import LICENCES
+from kitlib.unity.libraries import LICENCES
 
 # The tags that pip knows a system's wheels by, newer ones first, for each kind of processor. On macOS pip adds those of
 # earlier systems, and of wheels for both kinds.

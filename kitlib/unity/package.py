@@ -14,9 +14,12 @@ import re
 import tarfile
 from pathlib import Path
 
+from kitlib.files import replace
 from kitlib.lessons import KitError
 from kitlib.terminal import say
-from kitlib.unity.install import ALONE, libraries, notices, replace, scripts, unitys_packages
+from kitlib.unity.install import ALONE
+from kitlib.unity.libraries import libraries, notices
+from kitlib.unity.scripts import scripts, unitys_packages
 
 # In this entry Unity's own tools write the packages that an import adds to the project's manifest.
 MANIFEST = "packagemanagermanifest/asset"

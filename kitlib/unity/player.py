@@ -13,8 +13,8 @@ from pathlib import Path
 from kitlib.lessons import KIT, PACKAGE, ROOT, lessons
 from kitlib.setup.dotnet import BUILD, SUPPORT, compiler_errors
 from kitlib.terminal import command
-from kitlib.unity.install import code, of_lesson, types, uses
 from kitlib.unity.project import find_project
+from kitlib.unity.scripts import code, of_lesson, types, uses
 
 NAMESPACE = "NetMQExample"
 STAND_INS = SUPPORT / "unity-player" / "UnityEngine"

@@ -121,7 +121,8 @@ def test_what_is_copied_is_read_from_the_imports(text, expected, small):
 
 OF_A_READER = """
 import gymnasium, netmq_example, sys
-with gymnasium.make("netmq_example.envs:NetMQExample/CartPole-v0", launch=[sys.executable, "09_environment/client.py"]) as made:
+id, launch = "netmq_example.envs:NetMQExample/CartPole-v0", [sys.executable, "09_environment/client.py"]
+with gymnasium.make(id, launch=launch) as made:
     made.reset()
     assert made.step(1)[1] == 1
 print(netmq_example.__all__)
@@ -153,7 +154,7 @@ def test_a_door_of_a_copy_leads_to_what_is_there(tmp_path):
     copied("9", tmp_path)
     assert said("Publisher")[0] == found
     door.write_bytes(closed)
-    with pytest.raises(KitError, match="__init__.py in .* differs: nothing was copied"):
+    with pytest.raises(KitError, match=r"__init__\.py in .* differs: nothing was copied"):
         copied("netmq_example.publisher", tmp_path)
     copied("netmq_example", tmp_path, "--force")
     assert door.read_bytes() == (ROOT / "python" / "netmq_example" / "__init__.py").read_bytes()

@@ -16,6 +16,7 @@ from kitlib.lessons import PACKAGE, ROOT, KitError, lessons
 from kitlib.programs import Result
 from kitlib.setup import dotnet, python_setup
 from kitlib.unity import install as unity_install
+from kitlib.unity import libraries
 from kitlib.unity.inventory import LIBRARIES
 from kitlib.unity.player import why
 
@@ -754,7 +755,7 @@ def test_without_nuget_nothing_is_copied(sdk, why, project, tmp_path, monkeypatc
     monkeypatch.setattr(dotnet, "sdk", lambda: sdk)
     monkeypatch.setattr(dotnet, "restore", lambda netmq: Result(1, "error NU1301: no such host"))
     # A port where nobody listens.
-    monkeypatch.setattr(unity_install, "NUGET", "http://127.0.0.1:9")
+    monkeypatch.setattr(libraries, "NUGET", "http://127.0.0.1:9")
     with refused(project, why):
         unity_install.install(project, None, False)
 
@@ -763,7 +764,7 @@ def test_downloads_without_an_sdk(project, nuget, tmp_path, monkeypatch):
     fill(tmp_path / "feed", "MZ downloaded")
     monkeypatch.setenv("NUGET_PACKAGES", str(tmp_path / "empty"))
     monkeypatch.setattr(dotnet, "sdk", lambda: None)
-    monkeypatch.setattr(unity_install, "NUGET", (tmp_path / "feed").as_uri())
+    monkeypatch.setattr(libraries, "NUGET", (tmp_path / "feed").as_uri())
     unity_install.install(project, "1", False)
     assert (project / TARGET / "Plugins" / "AsyncIO.dll").read_bytes() == b"MZ downloaded AsyncIO"
 
