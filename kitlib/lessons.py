@@ -172,7 +172,7 @@ class Lesson:
     @property
     def behind(self) -> list[tuple[str, Lesson]]:
         """The lessons whose servers answer behind it, each with the option that takes where that one listens."""
-        return [(name, Lesson(key)) for name, key in self.how.get("behind", {}).items()]
+        return [(name, find(str(number))) for name, number in self.how.get("behind", {}).items()]
 
 
 def lessons() -> list[Lesson]:

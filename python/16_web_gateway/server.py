@@ -28,11 +28,8 @@ with importing("aiohttp and python-socketio; kit.py run 16 installs them"):
     from netmq_example.web.browser_socket import BrowserSocket, Listener, Requester, for_browsers
     from netmq_example.web.door import Door
 
-# By kit.py run: these lessons' servers stand behind it, each named by the option that says where it listens.
-RUN = {
-    "scheme": "http",
-    "behind": {"--hello": "01_request_reply", "--background": "04_background_client", "--poses": "03_publish_subscribe"},
-}
+# By kit.py run: the servers of these lessons stand behind it, each named by the option that says where it listens.
+RUN = {"scheme": "http", "behind": {"--hello": 1, "--background": 4, "--poses": 3}}
 # Your own servers go here. A browser asks for a name: it must never choose an address of the network behind.
 SERVERS = {"hello": "tcp://127.0.0.1:5551", "background": "tcp://127.0.0.1:5554"}
 PUBLISHERS = {"poses": "tcp://127.0.0.1:5553", "pictures": "tcp://127.0.0.1:5555"}
