@@ -8,19 +8,19 @@ import textwrap
 from collections.abc import Collection, Mapping
 from pathlib import Path
 
-from kitlib.imports import DOORS, rooms
+from kitlib.imports import DOORS, PYTHON, rooms
 
 
 def fitted(init: Path, names: Collection[str]) -> bytes:
     """Its text, for a copy with files of these names. Without doors.py there is no door at all."""
     text = init.read_text(encoding="utf-8")
-    table = rooms(init)
+    table, package = rooms(init), ".".join(init.parent.relative_to(PYTHON).parts)
     there = {name: room for name, room in table.items() if has(DOORS, names) and has(room, names)}
     if there == table:
         return init.read_bytes()
     lines = text.splitlines(keepends=True)
     for node in reversed(ast.parse(text).body):
-        new = replaced(node, there, table)
+        new = replaced(node, package, there, table)
         if new is not None:
             start, end = node.lineno - 1, node.end_lineno or node.lineno
             # A comment goes with the statement that it is about, and so do the blank lines behind it.
@@ -37,7 +37,7 @@ def has(module: str, names: Collection[str]) -> bool:
     return f"{path}.py" in names or f"{path}/__init__.py" in names
 
 
-def replaced(node: ast.stmt, there: Mapping[str, str], table: Mapping[str, str]) -> str | None:
+def replaced(node: ast.stmt, package: str, there: Mapping[str, str], table: Mapping[str, str]) -> str | None:
     """The lines in place of a statement of the door; None for any other statement, which stays."""
     match node:
         case ast.ImportFrom(module="typing") if not there:
@@ -52,17 +52,15 @@ def replaced(node: ast.stmt, there: Mapping[str, str], table: Mapping[str, str])
             imports = [f"    from {room} import {name}\n" for name, room in there.items()]
             return "".join(["if TYPE_CHECKING:\n", *imports]) if imports else ""
         case ast.If(test=ast.UnaryOp(operand=ast.Name(id="TYPE_CHECKING"))):
-            return hidden(node, there) if there else ""
+            return hidden(package, there) if there else ""
     return None
 
 
-def hidden(node: ast.If, there: Mapping[str, str]) -> str:
+def hidden(package: str, there: Mapping[str, str]) -> str:
     """The table for Python itself, in the form that the kit's own have."""
-    found: dict[str, str] = {}
-    for line in node.body:
-        if isinstance(line, ast.Assign) and isinstance(line.value, ast.Dict):
-            for room, names in ast.literal_eval(line.value).items():
-                if kept := [name for name in names.split() if name in there]:
-                    found[room] = " ".join(kept)
-    table = f"ROOMS = {json.dumps(found, indent=4)}\n__getattr__, __dir__ = door(__name__, ROOMS)\n"
-    return "if not TYPE_CHECKING:\n" + textwrap.indent(table, "    ")
+    found: dict[str, list[str]] = {}
+    for name, room in there.items():
+        found.setdefault(room.removeprefix(f"{package}."), []).append(name)
+    table = json.dumps({room: " ".join(names) for room, names in found.items()}, indent=4)
+    lines = f"ROOMS = {table}\n__getattr__, __dir__ = door(__name__, ROOMS)\n"
+    return "if not TYPE_CHECKING:\n" + textwrap.indent(lines, "    ")

@@ -6,7 +6,34 @@ import hashlib
 import os
 import shutil
 import time
+from collections.abc import Mapping
 from pathlib import Path
+
+from kitlib.lessons import KitError
+
+
+def put(path: Path, data: bytes) -> None:
+    """Write one: beside it first, and so on the same disk, where a full disk or a Ctrl-C leaves the old one whole."""
+    new = path.with_name(f"{path.name}.{os.getpid()}")
+    try:
+        new.write_bytes(data)
+        replace(new, path)
+    finally:
+        new.unlink(missing_ok=True)
+
+
+def news(folder: Path, files: Mapping[str, bytes], known: Mapping[str, str], otherwise: str) -> dict[str, bytes]:
+    """Those that are not there yet as they are; a KitError if one is neither so nor as it is `known`.
+
+    `otherwise` says what it is then; without these words it may be anything.
+    """
+    there = {name: digest((folder / name).read_bytes()) for name in files if (folder / name).exists()}
+    found = {name: data for name, data in files.items() if there.get(name) != digest(data)}
+    changed = [name for name in found if name in there and there[name] != known.get(name)]
+    if changed and otherwise:
+        more = f" and {len(changed) - 1} more" if len(changed) > 1 else ""
+        raise KitError(f"{changed[0]}{more} {otherwise}: nothing was copied; --force overwrites it")
+    return found
 
 
 def place(folder: Path, files: dict[str, bytes]) -> None:

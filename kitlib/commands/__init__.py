@@ -41,13 +41,10 @@ def guarded(work: Callable[[], int]) -> int:
     try:
         return work()
     except KitError as error:
-        print(coloured("kit    |", "error", sys.stderr), error, file=sys.stderr)
-        return error.code
+        return complain(error, error.code)
     except SyntaxError as error:
         # Of a lesson's program, which is read for what it needs.
-        where = f"{error.filename}, line {error.lineno}: {error.msg}; fix it"
-        print(coloured("kit    |", "error", sys.stderr), where, file=sys.stderr)
-        return 1
+        return complain(f"{error.filename}, line {error.lineno}: {error.msg}; fix it")
     except KeyboardInterrupt:
         return 130
     except BrokenPipeError:
@@ -60,8 +57,12 @@ def guarded(work: Callable[[], int]) -> int:
             why = "it is in the way: name another place"
         elif isinstance(error, PermissionError):
             why = unwritable(Path(str(error.filename or ROOT)))
-        print(coloured("kit    |", "error", sys.stderr), f"{error}; {why}", file=sys.stderr)
-        return 1
+        return complain(f"{error}; {why}")
+
+
+def complain(why: object, code: int = 1) -> int:
+    print(coloured("kit    |", "error", sys.stderr), why, file=sys.stderr)
+    return code
 
 
 def start(names: Sequence[str], words: list[str]) -> int:

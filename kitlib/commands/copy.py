@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from kitlib import doors, imports
-from kitlib.files import digest, place
+from kitlib.files import digest, news, place
 from kitlib.lessons import KIT, PACKAGE, ROOT, KitError, Lesson, UsageError, find
 from kitlib.setup import python_setup
 from kitlib.terminal import command, say
@@ -128,20 +128,15 @@ def write(folder: Path, files: dict[str, bytes], force: bool) -> None:
         for parent in (folder / name).parents:
             if parent != folder and parent.is_relative_to(folder) and parent.exists() and not parent.is_dir():
                 raise KitError(f"{parent} is a file, and a folder of this name would be made: nothing was copied")
-    there = {name: digest((folder / name).read_bytes()) for name in files if (folder / name).exists()}
-    differ = [name for name, old in there.items() if old != digest(files[name])]
     # A door that an earlier copy wrote is opened further, and is nobody's change.
-    theirs = [name for name in differ if name not in was or there[name] != digest(was[name])]
-    if theirs and not force:
-        more = f" and {len(theirs) - 1} more" if len(theirs) > 1 else ""
-        raise KitError(f"{theirs[0]}{more} in {folder} differs: nothing was copied; --force overwrites it")
-    news = {name: data for name, data in files.items() if name in differ or name not in there}
+    known = {name: digest(data) for name, data in was.items()}
+    found = news(folder, files, known, "" if force else f"in {folder} differs")
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        place(folder, news)
+        place(folder, found)
     except OSError as error:
         raise KitError(f"could not write into {folder}: {error}; name another folder, or make room") from None
-    for name in news:
+    for name in found:
         say(f"wrote {folder / name}")
-    if len(files) > len(news):
-        say(f"{len(files) - len(news)} files were there already")
+    if len(files) > len(found):
+        say(f"{len(files) - len(found)} files were there already")

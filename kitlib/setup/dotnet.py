@@ -55,6 +55,11 @@ UNREACHABLE = ("NU1301", "NU1801")
 NO_SOURCE = "dotnet nuget add source https://api.nuget.org/v3/index.json -n nuget.org"
 # In the lines in which dotnet says what is wrong, during a build and before there is one.
 ERRORS = (" error ", "Requested SDK", "not found", "not be found", "Couldn't", "No usable", "ailed")
+NO_FAULT_OF_THE_CODE = {
+    "No space left|not enough space": "the disk is full: the C# build needs some 50 MB in .build",
+    "MSB3021|MSB3027": "the C# build cannot replace a file that is in use: end the client that still runs",
+    "error NU1301": "the C# build needs NuGet, which cannot be reached: try again with internet",
+}
 # The first restore on a Windows machine has to wait for the virus scanner.
 TIMEOUT = 180 if lessons.WINDOWS else 60
 # Where the installers put dotnet: a terminal that was open before does not have it on its PATH yet.
@@ -269,12 +274,9 @@ def failure(result: Result) -> str:
     """Why a build has failed: in one line where it is not the code."""
     if why := denied(result.output):
         return f"the C# build failed: {why}"
-    if any(words in result.output for words in ("No space left", "not enough space")):
-        return "the disk is full: the C# build needs some 50 MB in .build"
-    if "MSB3021" in result.output or "MSB3027" in result.output:
-        return "the C# build cannot replace a file that is in use: end the client that still runs"
-    if "error NU1301" in result.output:
-        return "the C# build needs NuGet, which cannot be reached: try again with internet"
+    for pattern, why in NO_FAULT_OF_THE_CODE.items():
+        if re.search(pattern, result.output):
+            return why
     if "error CS" not in result.output:
         return f"the C# build failed ({result.first(*ERRORS)}); delete the folder {BUILD} and try again"
     cure = f"fix it; if nobody has changed a file, delete the folder {BUILD}"

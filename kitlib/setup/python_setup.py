@@ -31,7 +31,6 @@ HERE = {"win32": "windows", "darwin": "macos"}.get(sys.platform, "linux")
 IMPORTS = {
     "pytest-xdist": "xdist",
     "pyzmq": "zmq",
-    "pytest-timeout": "pytest_timeout",
     "pillow": "PIL",
     "pyyaml": "yaml",
     "grpcio": "grpc",
@@ -44,13 +43,6 @@ LARGE = ("body", "ray", "sb3")
 # Settings of a user's for pip that would fill another folder, or none. To pip an empty one is not there.
 ELSEWHERE = {"PIP_USER": "0", "PIP_DRY_RUN": "0", "PIP_REQUIRE_HASHES": "0"}
 ELSEWHERE |= dict.fromkeys(("PIP_TARGET", "PIP_PREFIX", "PIP_ROOT", "PIP_PYTHON"), "")
-# The distribution's package, where it is not simply python3- and the name on PyPI.
-DEBIAN = {
-    "pyzmq": "python3-zmq",
-    "pillow": "python3-pil",
-    "pyyaml": "python3-yaml",
-    "python-socketio": "python3-socketio",
-}
 
 
 @functools.cache
@@ -79,10 +71,9 @@ def of_lesson(lesson: Lesson) -> list[str]:
 def large_extras(lesson: Lesson) -> dict[str, list[str]]:
     """What a part of the lesson's programs imports of the extras that nobody gets unasked."""
     wanted = imported(sorted(lesson.python.glob("*.py")))
-    own = {extra: [need for need in needs(extra) if need not in needs(*tests_extras())] for extra in LARGE}
-    return {
-        extra: found for extra, all_of_it in own.items() if (found := [need for need in all_of_it if need in wanted])
-    }
+    others = needs(*tests_extras())
+    own = {extra: [need for need in needs(extra) if need in wanted and need not in others] for extra in LARGE}
+    return {extra: found for extra, found in own.items() if found}
 
 
 def imported(files: Iterable[Path]) -> list[str]:
@@ -109,7 +100,7 @@ def tests_extras() -> list[str]:
 
 def name(requirement: str) -> str:
     """`pyzmq` of `pyzmq>=24`."""
-    return requirement.split(">")[0].split("=")[0].split("<")[0].split(";")[0].strip().lower()
+    return re.split("[>=<;]", requirement)[0].strip().lower()
 
 
 # Run by the interpreter in question: which of the packages it lacks. One that cannot be imported is not there, whatever
@@ -173,10 +164,12 @@ def requirement(package: str) -> str:
 def interpreter(*extras: str, optional: tuple[str, ...] = ()) -> Path:
     """The interpreter to run the lessons with; sets it up if need be. `optional` extras are nice to have."""
     required, wanted = needs(*extras), needs(*extras, *optional)
-    key = hashlib.sha256(json.dumps([wanted, sys.version, pip_environment()]).encode()).hexdigest()
-    known = remembered(key)
-    if known and has(known, required):
-        return chosen(known)
+    # A change of a user's settings for pip is a reason to ask again.
+    settings = sorted(f"{key}={value}" for key, value in os.environ.items() if key.startswith("PIP_"))
+    key = hashlib.sha256(json.dumps([wanted, sys.version, settings]).encode()).hexdigest()
+    known = read_json(CHOICE).get(key)
+    if isinstance(known, str) and os.path.exists(known) and has(known, required):
+        return chosen(Path(known))
     python = from_pip(required, wanted) or from_this_python(required)
     if python is None:
         raise KitError(nowhere([name(need) for need in required]))
@@ -193,7 +186,8 @@ def nowhere(names: list[str]) -> str:
         if not any(quietly([sys.executable, "-m", pip, "--version"], limit=60).ok for pip in ("pip", "ensurepip")):
             return f"{sys.executable} has no pip: with internet install it (Debian, Ubuntu: python3-venv)"
     elif shutil.which("apt-get") and sys.executable.startswith("/usr/bin/"):
-        packages = [DEBIAN.get(each, f"python3-{each}") for each in names]
+        # Debian names a package after the module.
+        packages = [f"python3-{module(each).lower().replace('_', '-')}" for each in names]
         there = all(quietly(["apt-cache", "show", package], limit=60).ok for package in packages)
         # With the other one, .venv can be filled: the distribution has no Gymnasium, for example.
         cure = f"sudo apt install {' '.join(packages) if there else 'python3-venv, and then this again'}"
@@ -205,17 +199,6 @@ def found(*extras: str) -> Path | None:
     known = [path for path in read_json(CHOICE).values() if isinstance(path, str)]
     near = map(Path, [str(venv_python()), *reversed(known), sys.executable])
     return next((chosen(python) for python in near if os.path.exists(python) and has(python, needs(*extras))), None)
-
-
-def pip_environment() -> list[str]:
-    """The settings a user may have made for pip: a change of them is a reason to ask again."""
-    return sorted(f"{key}={value}" for key, value in os.environ.items() if key.startswith("PIP_"))
-
-
-def remembered(key: str) -> Path | None:
-    """What an earlier run with the same needs has settled on."""
-    python = read_json(CHOICE).get(key)
-    return Path(python) if isinstance(python, str) and os.path.exists(python) else None
 
 
 def venv_python() -> Path:
@@ -241,7 +224,9 @@ def from_pip(required: list[str], wanted: list[str]) -> Path | None:
         if result.ok and has(python, requirements):
             return python
         if any(words in result.output for words in NOTHING):
-            say(f"pip did not get all of it from {index(python)}")
+            index = setting(python, "no-index", "index-url") or "https://pypi.org/simple"
+            # A password may stand in it.
+            say(f"pip did not get all of it from {re.sub('//[^/]*@', '//', index)}")
         elif why := denied(result.output):
             say(why)
         elif not result.ok:
@@ -280,12 +265,6 @@ def setting(python: Path, *names: str) -> str | None:
     return found[1] if found else None
 
 
-def index(python: Path) -> str:
-    """Where pip looks for packages, without the password that may stand in it."""
-    chosen = setting(python, "no-index", "index-url") or "https://pypi.org/simple"
-    return re.sub("//[^/]*@", "//", chosen)
-
-
 def make_venv() -> bool:
     """Make .venv, with pip or, where the distribution left that out, without."""
     # Conda's, or that of Windows and WSL in one folder. A link may lead to where only the other one can look.
@@ -322,7 +301,7 @@ def links_can_be_made() -> bool:
 
 def from_this_python(required: list[str]) -> Path | None:
     """The one that runs kit.py, if it has the packages."""
-    if not has(sys.executable, required):
-        return None
-    say(f"using {sys.executable}, which has {', '.join(map(name, required))}")
-    return Path(sys.executable)
+    if has(sys.executable, required):
+        say(f"using {sys.executable}, which has {', '.join(map(name, required))}")
+        return Path(sys.executable)
+    return None

@@ -10,7 +10,7 @@ import os
 import re
 from pathlib import Path
 
-from kitlib.files import digest, place, replace
+from kitlib.files import digest, news, place, put
 from kitlib.lessons import PACKAGE, ROOT, KitError, find, lessons, read_json
 from kitlib.setup import python_setup
 from kitlib.terminal import command, say
@@ -93,8 +93,6 @@ def add_packages(root: Path, needed: dict[str, str], there: Inventory) -> None:
         return
     # Of a link the file behind it.
     path = (root / "Packages" / "manifest.json").resolve()
-    # Beside it, and so on the same disk: a full disk leaves the old one whole.
-    new = path.with_name(f"manifest.json.{os.getpid()}")
     try:
         if path.exists() and not os.access(path, os.W_OK):
             raise PermissionError("it is read-only")
@@ -105,10 +103,8 @@ def add_packages(root: Path, needed: dict[str, str], there: Inventory) -> None:
         text = json.dumps(manifest, indent=indent[1] if indent else 2, ensure_ascii=False)
         text = text + "\n" if old.endswith("\n") else text
         text = "\ufeff" * old.startswith("\ufeff") + text.replace("\n", "\r\n" if "\r\n" in old else "\n")
-        new.write_bytes(text.encode())
-        replace(new, path)
+        put(path, text.encode())
     except OSError as error:
-        new.unlink(missing_ok=True)
         names = ", ".join(wanted)
         why = error.strerror or error
         say(f"Packages/manifest.json cannot be written ({why}): add in Unity's Package Manager: {names}")
@@ -129,25 +125,21 @@ def write(root: Path, files: dict[str, bytes], force: bool, dlls: bool) -> None:
         for n, d in files.items()
         if not (n.endswith(".meta") and (root / n).exists() and digest((root / n).read_bytes()) != record.get(n))
     }
-    news = {n: d for n, d in wanted.items() if not (root / n).exists() or digest((root / n).read_bytes()) != digest(d)}
-    changed = [n for n in news if (root / n).exists() and digest((root / n).read_bytes()) != record.get(n)]
-    if changed and not force:
-        more = f" and {len(changed) - 1} more" if len(changed) > 1 else ""
-        raise KitError(f"{changed[0]}{more} was changed in your project: nothing was copied; --force overwrites it")
+    found = news(root, wanted, record, "" if force else "was changed in your project")
     # On Windows a file that is read-only cannot be replaced: version control makes them so until they are checked out.
-    if locked := [name for name in news if (root / name).exists() and not os.access(root / name, os.W_OK)]:
+    if locked := [name for name in found if (root / name).exists() and not os.access(root / name, os.W_OK)]:
         raise KitError(f"{locked[0]} is read-only: nothing was copied; check it out first, or clear the attribute")
     try:
-        place(root, news)
-        record |= {name: digest(data) for name, data in news.items()}
-        if remove_outdated(root, record, files, dlls) or news:
+        place(root, found)
+        record |= {name: digest(data) for name, data in found.items()}
+        if remove_outdated(root, record, files, dlls) or found:
             (root / RECORD).write_text(json.dumps(record, indent=1, sort_keys=True), encoding="utf-8")
     except OSError as error:
         raise KitError(f"could not write into {root}: {error}; close Unity, or make room, and run this again") from None
-    for name in news:
+    for name in found:
         if not name.endswith(".meta"):
             say(f"wrote {name}")
-    same = sum(not name.endswith(".meta") for name in files.keys() - news.keys())
+    same = sum(not name.endswith(".meta") for name in files.keys() - found.keys())
     if same:
         say(f"{same} files were there already")
 

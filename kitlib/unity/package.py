@@ -9,12 +9,11 @@ from __future__ import annotations
 import gzip
 import io
 import json
-import os
 import re
 import tarfile
 from pathlib import Path
 
-from kitlib.files import replace
+from kitlib.files import put
 from kitlib.lessons import KitError
 from kitlib.terminal import say
 from kitlib.unity.install import ALONE
@@ -34,13 +33,7 @@ def write_package(path: Path, lesson: str | None, force: bool, scripts_only: boo
     files = {**scripts(lesson), **notices(), **({} if scripts_only else libraries(dlls))}
     found = entries(files)
     path.parent.mkdir(parents=True, exist_ok=True)
-    # Beside it, and so on the same disk: an interrupted run leaves no half.
-    new = path.with_name(f"{path.name}.{os.getpid()}")
-    try:
-        new.write_bytes(packed(found))
-        replace(new, path)
-    finally:
-        new.unlink(missing_ok=True)
+    put(path, packed(found))
     count = sum(name.endswith("/asset") and name != MANIFEST for name in found)
     say(f"wrote {path}: {count} files, {path.stat().st_size / 1e6:.1f} MB")
     if scripts_only:
