@@ -1,4 +1,4 @@
-"""What a program needs of the kit and of other packages is read from its imports, and from nothing else.
+"""A program's needs, of the kit and of other packages, are read from its imports, and from nothing else.
 
 An import names a module, and needs the `__init__.py` of each folder on its way as well. A name that such a folder's
 door lends, as in `from netmq_example import Server`, needs the module that the door has for it.

@@ -15,14 +15,14 @@ from typing import Any
 ROOT = Path(__file__).resolve().parent.parent
 # The Unity package.
 PACKAGE = ROOT / "unity" / "Assets" / "NetMQExample"
-# What a classroom without internet brings along: wheels and NuGet packages, from `kit.py pack`.
+# A classroom without internet brings these along: wheels and NuGet packages, from `kit.py pack`.
 PACKAGES = ROOT / "packages"
 WINDOWS = os.name == "nt"
 KIT = "py kit.py" if WINDOWS else "python3 kit.py"
 
 
 class KitError(Exception):
-    """What a user can mend: one line with the cause and the cure."""
+    """A user can mend it: it is one line with the cause and the cure."""
 
     code = 1
 
@@ -59,7 +59,7 @@ def unwritable(path: Path) -> str:
 
 
 def denied(output: str) -> str:
-    """What another program was not allowed to write, by its own words, and whose it is; or nothing."""
+    """The file that another program was not allowed to write, by its own words, and whose it is; or nothing."""
     found = re.search(r"(?:denied: |Access to the path )'([^']+)'", output)
     # On Windows a program that still uses the file is what denies it, most often.
     return unwritable(Path(found[1])) if found and not WINDOWS else ""
@@ -91,7 +91,7 @@ def keep(path: Path, text: str) -> None:
 
 
 def docstring(path: Path) -> str:
-    """What stands at the top of a program. PYTHONOPTIMIZE takes it away from what is imported or run."""
+    """The text at the top of a program. PYTHONOPTIMIZE takes it away from what is imported or run."""
     return ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"), str(path))) or ""
 
 
@@ -131,7 +131,7 @@ class Lesson:
 
     @property
     def header(self) -> str:
-        """What stands at the top of the server."""
+        """The text at the top of the server."""
         return docstring(self.python / "server.py") or self.key
 
     @property

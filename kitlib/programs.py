@@ -94,7 +94,7 @@ class Program:
                     raise KitError(f"{self.name} was silent for {limit:g} s; is the machine busy?")
 
     def endpoints(self) -> dict[str, str]:
-        """What the ready line says the server listens on, and where else by the lines before: `snapshots on E2`."""
+        """Where the server listens, by its ready line and by those before it, such as `snapshots on E2`."""
         self.wait_for(r"^listening on (tcp|http)://\S+$")
         said = [match for line in self.lines if (match := re.match(r"(\w+) on ((?:tcp|http)://\S+)$", line))]
         found = {match[1]: match[2] for match in said}

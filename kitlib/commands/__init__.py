@@ -69,7 +69,7 @@ def start(names: Sequence[str], words: list[str]) -> int:
     """Find the command and do it."""
     if not words or words[0] in ("-h", "--help", "help"):
         print(docstring(ROOT / "kit.py").replace("python3 kit.py", KIT))
-        # Who typed nothing wanted something, and a script must notice that nothing was done.
+        # An empty command line is a mistake, and a script must notice that nothing was done.
         return 0 if words else 2
     name = words[0]
     if name in ("--version", "version"):
@@ -104,7 +104,7 @@ def parse(command: ModuleType, words: list[str]) -> argparse.Namespace:
     )
     if hasattr(command, "add_options"):
         command.add_options(parser)
-    # What comes after `--` is never taken for our own.
+    # The words after `--` are never taken for our own.
     end = words.index("--") if passes_on and "--" in words else len(words)
     options, rest = parser.parse_known_args(words[:end])
     if passes_on:

@@ -72,7 +72,7 @@ def package_rows(python: Path) -> Iterator[Row]:
 
 
 def optional_rows(python: Path, lesson: Lesson) -> Iterator[Row]:
-    """What only a part of a lesson needs, such as a webcam."""
+    """The needs of a part of a lesson, such as a webcam's."""
     for part, needs in python_setup.large_extras(lesson).items():
         packages = [python_setup.name(need) for need in needs]
         missing = python_setup.not_found(python, packages)

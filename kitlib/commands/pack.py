@@ -107,14 +107,14 @@ def wheels(folder: Path, system: str, version: str, tags: list[str]) -> None:
 
 
 def nuget(folder: Path) -> None:
-    """What a restore of the C# client takes from NuGet, NetMQ and all that comes with it."""
+    """All that a restore of the C# client takes from NuGet: NetMQ, and what comes with it."""
     store = dotnet.nuget_folder()
     # A source that is not there is an error.
     store.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as fetched:
         properties = dotnet.NetMQ("").properties
         command: list[str | Path] = ["dotnet", "restore", dotnet.CONSOLE, *properties, "--packages", fetched]
-        # What this machine has already need not come over the net again.
+        # The packages of this machine need not come over the net again.
         command += [
             f"-p:RestoreAdditionalProjectSources={dotnet.escaped(store)}",
             f"-p:ArtifactsPath={dotnet.escaped(Path(fetched, 'made'))}",

@@ -36,9 +36,9 @@ IMPORTS = {
     "grpcio": "grpc",
     "python-socketio": "socketio",
 }
-# What pip says where no index answers, or does not hold a package.
+# Pip says these where no index answers, or does not hold a package.
 NOTHING = ("Could not find a version", "No matching distribution", "Max retries")
-# What nobody gets unasked: it is large, not there for every system, and a lesson does most of its work without it.
+# Nobody gets these unasked: each is large, not there for every system, and of use to a part of a lesson alone.
 LARGE = ("body", "ray", "sb3")
 # Settings of a user's for pip that would fill another folder, or none. To pip an empty one is not there.
 ELSEWHERE = {"PIP_USER": "0", "PIP_DRY_RUN": "0", "PIP_REQUIRE_HASHES": "0"}
@@ -47,7 +47,7 @@ ELSEWHERE |= dict.fromkeys(("PIP_TARGET", "PIP_PREFIX", "PIP_ROOT", "PIP_PYTHON"
 
 @functools.cache
 def project() -> dict[str, Any]:
-    """What pyproject.toml says of the package."""
+    """The package, as pyproject.toml has it."""
     found: dict[str, Any] = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     return found
 
@@ -62,14 +62,14 @@ def needs(*names: str) -> list[str]:
 
 
 def of_lesson(lesson: Lesson) -> list[str]:
-    """What the programs that `kit.py run` starts import beyond the core, but for what only a part of them uses."""
+    """The imports beyond the core of the programs that `kit.py run` starts, but for those that only a part of them uses."""
     programs = ["server.py", "client.py", *(words[0] for words in lesson.also)]
     large = [need for needs in large_extras(lesson).values() for need in needs]
     return [need for need in imported(lesson.python / program for program in programs) if need not in large]
 
 
 def large_extras(lesson: Lesson) -> dict[str, list[str]]:
-    """What a part of the lesson's programs imports of the extras that nobody gets unasked."""
+    """The extras that nobody gets unasked, as far as a part of the lesson's programs imports them."""
     wanted = imported(sorted(lesson.python.glob("*.py")))
     others = needs(*tests_extras())
     own = {extra: [need for need in needs(extra) if need in wanted and need not in others] for extra in LARGE}
@@ -77,7 +77,7 @@ def large_extras(lesson: Lesson) -> dict[str, list[str]]:
 
 
 def imported(files: Iterable[Path]) -> list[str]:
-    """What pyproject.toml asks of the packages beyond the core that these files need, in the order it has there."""
+    """The requirements beyond the core that these files have, in pyproject.toml's words and order."""
     names = imports.packages(files)
     core = needs()
     return [need for need in needs(*all_extras()) if need not in core and module(name(need)) in names]
@@ -94,7 +94,7 @@ def all_extras() -> list[str]:
 
 
 def tests_extras() -> list[str]:
-    """What the whole of the tests can use; `style` is for tests/house alone."""
+    """All that the tests can use; `style` is for tests/house alone."""
     return [extra for extra in all_extras() if extra not in (*LARGE, "style")]
 
 
@@ -157,7 +157,7 @@ def not_found(python: Path, packages: list[str]) -> list[str]:
 
 
 def requirement(package: str) -> str:
-    """What pyproject.toml asks of a package, such as `websockets>=13`."""
+    """A package in pyproject.toml's words, such as `websockets>=13`."""
     return next((need for need in needs(*all_extras()) if name(need) == package), package)
 
 
@@ -178,7 +178,7 @@ def interpreter(*extras: str, optional: tuple[str, ...] = ()) -> Path:
 
 
 def nowhere(names: list[str]) -> str:
-    """What to run where no interpreter has these packages and pip cannot fetch them."""
+    """The cure where no interpreter has these packages and pip cannot fetch them."""
     cure = command(sys.executable, "-m", "pip", "install", *names)
     if any(PACKAGES.glob("*.whl")):
         mine = f"--system {HERE} --python {sys.version_info[0]}.{sys.version_info[1]}"
@@ -274,7 +274,7 @@ def make_venv() -> bool:
         return False
     result = Result(0, "")
     for option in ([], ["--without-pip"]):
-        # What a failed try leaves behind would look like an environment to the next.
+        # The leavings of a failed try would look like an environment to the next.
         shutil.rmtree(VENV, ignore_errors=True)
         if HERE == "linux" and not links_can_be_made():
             # Of all that is a link in an environment, only this one cannot be a copy. It may be there already.

@@ -176,7 +176,7 @@ def remove_outdated(root: Path, record: dict[str, str], files: dict[str, bytes],
 
 
 def next_steps(root: Path, lesson: str | None) -> list[str]:
-    """What to type and to press now."""
+    """The words to type and the buttons to press now."""
     key = find(lesson or "1").key
     # The one that kit.py runs the lessons with; the terminal may be in any folder.
     python = python_setup.interpreter(key)

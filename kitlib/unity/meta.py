@@ -1,4 +1,4 @@
-"""What Unity wants beside the scripts: a .meta file for each file and folder, and a scene for each lesson.
+"""Unity wants more than the scripts: a .meta file for each file and folder, and a scene for each lesson.
 
     python3 -m kitlib.unity.meta      writes what is missing; run it after adding a lesson
 
@@ -17,7 +17,7 @@ from pathlib import Path
 from kitlib.lessons import PACKAGE, ROOT
 
 EXAMPLE = PACKAGE / "03_publish_subscribe" / "03_publish_subscribe.unity"
-# What stays out of Unity and of the repository: names that Unity ignores, and the DLLs that kit.py unity copies.
+# These stay out of Unity and of the repository: names that Unity ignores, and the DLLs that kit.py unity copies.
 IGNORED = re.compile(r"^\.|~$|\.meta$|^Plugins$")
 
 

@@ -123,7 +123,7 @@ def lacking_of_the_kit(errors: list[str], own: Sequence[Path], theirs: Sequence[
 
 
 def kits_names() -> set[str]:
-    """What of the kit a script can name."""
+    """The kit's names, which a script can use."""
     return {NAMESPACE, *(name for path in PACKAGE.glob("[0-9S]*/*.cs") for name in types(path))}
 
 

@@ -65,18 +65,18 @@ def with_used(scripts: list[Path], key: str, read: Callable[[Path], str]) -> lis
 
 
 def code(script: Path) -> str:
-    """What the compiler sees of a script in Unity."""
+    """A script as the compiler sees it in Unity."""
     return re.sub(r"//.*", "", script.read_text(encoding="utf-8", errors="replace"))
 
 
 def plain_code(script: Path) -> str:
-    """What it sees without Unity."""
+    """A script as the compiler sees it without Unity."""
     return re.sub(r"#if UNITY_.*?#endif", "", code(script), flags=re.DOTALL)
 
 
 @functools.cache
 def types(script: Path) -> list[str]:
-    """What a script has for others: PoseSubscriber.cs has PoseMessage as well."""
+    """The types that a script has for others: PoseSubscriber.cs has PoseMessage as well."""
     declared = r"^    (?:public|internal) [\w ]*\b(?:class|struct|interface|enum) (\w+)"
     return re.findall(declared, script.read_text(encoding="utf-8-sig", errors="replace"), re.MULTILINE)
 
@@ -87,7 +87,7 @@ def uses(code: str, name: str) -> bool:
 
 
 def unitys_packages(files: dict[str, bytes]) -> dict[str, str]:
-    """What the scripts among these files need of Unity's own packages, with their versions."""
+    """Unity's own packages that the scripts among these files need, with their versions."""
     texts = [data.decode("utf-8-sig", "replace") for name, data in files.items() if name.endswith(".cs")]
     json_package = dict([JSON]) if any("using Newtonsoft.Json" in text for text in texts) else {}
     return {**json_package, **dict.fromkeys(sorted(needed(texts)), VERSION)}

@@ -39,7 +39,7 @@ UNHURRIED = f"--options={' '.join(PATIENT)}"
 
 @pytest.fixture
 def copy(tmp_path):
-    """What a fresh clone holds."""
+    """A fresh clone."""
     clone = tmp_path / "clone"
     skipped = shutil.ignore_patterns(".git", ".build", ".venv", "__pycache__", ".*_cache", "*.sqlite3*")
     shutil.copytree(ROOT, clone, ignore=skipped)
@@ -105,7 +105,7 @@ def test_a_build_happens_only_after_a_change(netmq, tmp_path, monkeypatch):
     for text in ("", "", "changed", "changed"):
         if text != source.read_text():
             source.write_text(text)
-        # What a build itself writes is no change.
+        # A build's own files are no change.
         (tmp_path / "own" / "obj" / "b.cs").write_text(text)
         dotnet.build(netmq, source.parent)
     assert len(built) == 2
@@ -200,7 +200,7 @@ VARIABLES = {"VERSION": "v1.4", "Configuration": "Debug", "OUTPUTPATH": "out", "
 
 @finds_processes
 def test_ctrl_c_in_the_build_leaves_nothing_running_and_the_next_run_builds(netmq, prepared, start):
-    """Whatever the environment says, which MSBuild takes for its own, and the folders above, where one may be."""
+    """MSBuild takes the environment for its own, and reads the folders above; neither matters."""
     words = ["run", "1", "--endpoint", "tcp://127.0.0.1:0", UNHURRIED]
     for name, text in ABOVE.items():
         (prepared.parent / name).write_text(text, encoding="utf-8")
@@ -1041,7 +1041,7 @@ def test_packages_for_another_python_are_named_as_such(tmp_path, monkeypatch):
 
 
 def test_what_is_packed_fits_the_system(tmp_path, monkeypatch):
-    """What is asked of pip: on which system it runs, it knows, and not for which one it fetches."""
+    """Pip knows on which system it runs, and not for which one it fetches."""
     asked = []
     monkeypatch.setattr(dotnet, "sdk", lambda: "10.0.100")
     monkeypatch.setattr(pack, "nuget", lambda _: None)

@@ -79,7 +79,7 @@ public class Threads : NetworkBehaviour
 }
 """
 
-# What the first one says that asks for NetMQ, and that builds.
+# The first run asks for NetMQ and builds, and says so.
 SET_UP = ("kit    | asking NuGet", "kit    | building")
 
 
@@ -97,7 +97,7 @@ def test_scripts_of_ones_own_are_played(play, serve, tmp_path):
     folder.mkdir()
     (folder / "MyOwn.cs").write_text(MINE, encoding="utf-8")
     (folder / "Greeting.cs").write_text(ITS_CLASS, encoding="utf-8")
-    # What lies beside them is not asked for.
+    # This one lies beside them, and nobody asks for it.
     (folder / "Other.cs").write_text("no C#", encoding="utf-8")
     endpoint = serve("01_request_reply")[1]
     ours = play("MyOwn.cs", "Greeting.cs", "--endpoint", endpoint, folder=folder)
@@ -227,7 +227,7 @@ def test_a_script_of_a_unity_project_sees_what_that_project_has_of_the_kit(play,
     (game / "Assets").mkdir(parents=True)
     (game / "ProjectSettings").mkdir()
     (game / "ProjectSettings" / "ProjectVersion.txt").write_text("m_EditorVersion: 6000.0.32f1\n")
-    # What the kit has under this name is another one.
+    # The kit has another one of this name.
     script = game / "Assets" / "PoseFollower.cs"
     script.write_text(STREAM.format("NetworkBehaviour", "PoseMessage"), encoding="utf-8")
 
@@ -248,7 +248,7 @@ def test_a_script_of_a_unity_project_sees_what_that_project_has_of_the_kit(play,
     assert play(script, "--seconds", "20") == (0, ["ours: talks "])
 
 
-# What an old example does: its Stop waits for a thread that waits for a server. And what most first attempts do.
+# An old example does this: its Stop waits for a thread that waits for a server. And what most first attempts do.
 FREEZES = """using System.Threading;
 using UnityEngine;
 
@@ -271,7 +271,7 @@ def test_a_script_that_would_freeze_the_editor_is_ended_and_says_so(play, tmp_pa
         assert play(tmp_path / "Freezes.cs", "--seconds", "0.1", *where) == (1, [said])
 
 
-# What scripts for UDP and first scripts of one's own do, with a server that answers.
+# Scripts for UDP and first scripts of one's own do this, with a server that answers.
 ENDS = """using System;
 using System.Threading;
 using NetMQExample;
@@ -319,14 +319,14 @@ def test_what_a_script_forgets_is_said_once_and_the_play_ends(play, start, serve
     thrown = r"System\.InvalidOperationException: in Update\s+at Ends\.Update\(\) in .*Ends\.cs:line 22$"
     assert len(re.findall(rf"^{thrown}", said, re.MULTILINE)) == 1, said
     assert len(re.findall(rf"^\d+ times more: {thrown}", said, re.MULTILINE)) == 1, said
-    # What follows Abort in the same method runs, and Dispose delivers the reply.
+    # The lines behind Abort in the same method run, and Dispose delivers the reply.
     for line in "closing", "world", "Thread.Abort: Unity's Mono can", "BackgroundClient: ":
         assert sum(each.startswith(line) for each in program.lines) == 1, said
     code, lines = play(*words, "0.1")
     assert code == 1 and "a thread of a script still runs 5 s after Stop" in lines[-1], lines
 
 
-# What people's scripts do with a UI, with lines and pictures, and with what they drag into their fields.
+# People's scripts do this with a UI, with lines and pictures, and with what they drag into their fields.
 PANEL = """using TMPro;
 using UnityEngine;
 using UnityEngine.UI;
@@ -422,7 +422,7 @@ LACKS = """class Lacks : UnityEngine.MonoBehaviour
 """
 
 
-# What the compiler says of scripts as they were for ML-Agents and for gymize, and of a slip.
+# The compiler says this of scripts as they were for ML-Agents and for gymize, and of a slip.
 MOVED = """Mine.cs(2,13): error CS0234: The name 'MLAgents' does not exist in the namespace 'Unity' [/a.csproj]
 Mine.cs(8,11): error CS0246: The type or namespace name 'NDArray' could not be found [/a.csproj]
 Mine.cs(9,26): error CS0115: 'Mine.CollectObservations(VectorSensor)': no suitable method found to override [/a.csproj]
@@ -433,7 +433,7 @@ Mine.cs(13,9): error CS0103: The name 'Transfrm' does not exist in the current c
 
 
 def test_a_name_of_gymize_or_of_ml_agents_is_answered_by_its_page(tmp_path):
-    """What could be a type of Unity's is compared with those; of a name that is none the compiler has said enough."""
+    """A possible type of Unity's is compared with those; of any other name the compiler has said enough."""
     script = tmp_path / "Mine.cs"
     script.write_text("SetTerminated(); Transfrm.Find(name);", encoding="utf-8")
     first, *lines = player.why(MOVED, [script], None).splitlines()
