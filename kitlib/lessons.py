@@ -15,6 +15,8 @@ from typing import Any
 ROOT = Path(__file__).resolve().parent.parent
 # The Unity package.
 PACKAGE = ROOT / "unity" / "Assets" / "NetMQExample"
+# Everything that is made here, and can be made again.
+BUILD = ROOT / ".build"
 # A classroom without internet brings these along: wheels and NuGet packages, from `kit.py pack`.
 PACKAGES = ROOT / "packages"
 WINDOWS = os.name == "nt"
@@ -126,7 +128,7 @@ class Lesson:
         if chosen:
             chosen.mkdir(parents=True, exist_ok=True)
             return chosen
-        folder = ROOT / ".build" / "run" / self.key[:2]
+        folder = BUILD / "run" / self.key[:2]
         return folder if writable(folder) else ROOT
 
     @property

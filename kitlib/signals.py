@@ -12,7 +12,7 @@ ENDS = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
 
 
 def interruptible() -> None:
-    """Each signal that asks us to end is a KeyboardInterrupt, so that we clear up: also `kill`, and a closed terminal."""
+    """Each signal that asks us to end is a KeyboardInterrupt, so that we clear up: also a closed terminal."""
     for name in ENDS:
         # One that is ignored was ignored on purpose: nohup does so.
         if hasattr(signal, name) and signal.getsignal(getattr(signal, name)) != signal.SIG_IGN:

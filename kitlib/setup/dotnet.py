@@ -14,12 +14,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from kitlib import lessons
-from kitlib.lessons import KIT, PACKAGE, PACKAGES, ROOT, KitError, denied, keep, read_json, unwritable, writable
+from kitlib.lessons import BUILD, KIT, PACKAGE, PACKAGES, ROOT, KitError, denied, keep, read_json, unwritable, writable
 from kitlib.programs import Result, quietly, step
 from kitlib.setup.lock import locked
 from kitlib.terminal import say
 
-BUILD = ROOT / ".build"
 CONSOLE = ROOT / "csharp-console"
 SUPPORT = ROOT / "csharp-support"
 OWN_SCRIPTS = CONSOLE / "own-scripts"

@@ -14,16 +14,16 @@ import shutil
 import sys
 import tomllib
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from kitlib import imports
-from kitlib.lessons import KIT, PACKAGES, ROOT, KitError, Lesson, denied, keep, read_json, unwritable, writable
+from kitlib.lessons import BUILD, KIT, PACKAGES, ROOT, KitError, Lesson, denied, keep, read_json, unwritable, writable
 from kitlib.programs import Result, quietly, step
 from kitlib.terminal import command, say
 
 VENV = ROOT / ".venv"
-BUILD = ROOT / ".build"
 CHOICE = BUILD / "python.json"
 # This system, as `kit.py pack` calls it.
 HERE = {"win32": "windows", "darwin": "macos"}.get(sys.platform, "linux")
@@ -41,15 +41,14 @@ NOTHING = ("Could not find a version", "No matching distribution", "Max retries"
 # Nobody gets these unasked: each is large, not there for every system, and of use to a part of a lesson alone.
 LARGE = ("body", "ray", "sb3")
 # Settings of a user's for pip that would fill another folder, or none. To pip an empty one is not there.
-ELSEWHERE = {"PIP_USER": "0", "PIP_DRY_RUN": "0", "PIP_REQUIRE_HASHES": "0"}
-ELSEWHERE |= dict.fromkeys(("PIP_TARGET", "PIP_PREFIX", "PIP_ROOT", "PIP_PYTHON"), "")
+ELSEWHERE = dict.fromkeys(("PIP_TARGET", "PIP_PREFIX", "PIP_ROOT", "PIP_PYTHON"), "")
+ELSEWHERE |= dict.fromkeys(("PIP_USER", "PIP_DRY_RUN", "PIP_REQUIRE_HASHES"), "0")
 
 
 @functools.cache
 def project() -> dict[str, Any]:
     """The package, as pyproject.toml has it."""
-    found: dict[str, Any] = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    return found
+    return dict(tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"])
 
 
 def needs(*names: str) -> list[str]:
@@ -62,7 +61,7 @@ def needs(*names: str) -> list[str]:
 
 
 def of_lesson(lesson: Lesson) -> list[str]:
-    """The imports beyond the core of the programs that `kit.py run` starts, but for those that only a part of them uses."""
+    """The packages beyond the core that the programs of `kit.py run` import, but for those of only a part of them."""
     programs = ["server.py", "client.py", *(words[0] for words in lesson.also)]
     large = [need for needs in large_extras(lesson).values() for need in needs]
     return [need for need in imported(lesson.python / program for program in programs) if need not in large]
@@ -170,8 +169,7 @@ def interpreter(*extras: str, optional: tuple[str, ...] = ()) -> Path:
     known = read_json(CHOICE).get(key)
     if isinstance(known, str) and os.path.exists(known) and has(known, required):
         return chosen(Path(known))
-    python = from_pip(required, wanted) or from_this_python(required)
-    if python is None:
+    if not (python := from_pip(required, wanted) or from_this_python(required)):
         raise KitError(nowhere([name(need) for need in required]))
     keep(CHOICE, json.dumps({**read_json(CHOICE), key: str(python)}))
     return chosen(python)
@@ -291,12 +289,11 @@ def make_venv() -> bool:
 def links_can_be_made() -> bool:
     """Not on a stick, in a shared folder or on many a network's drive."""
     link = BUILD / f"link.{os.getpid()}"
-    try:
+    with suppress(OSError):
         link.symlink_to("nowhere")
         link.unlink()
-    except OSError:
-        return False
-    return True
+        return True
+    return False
 
 
 def from_this_python(required: list[str]) -> Path | None:

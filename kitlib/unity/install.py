@@ -54,11 +54,10 @@ def install(
     # Also of other lessons, which are there already: all are one assembly.
     here = {path.as_posix(): path.read_bytes() for path in (root / TARGET).rglob("*.cs")}
     add_packages(root, unitys_packages(here), there)
-    for line in [*wrong, *advice(root)]:
-        say(line)
+    bring = []
     if there.missing("NetMQ.dll") and not (root / PLUGINS / "NetMQ.dll").exists():
-        say("first bring the DLLs: route (b) or (d) of docs/guide/unity_project.md")
-    for line in next_steps(root, lesson):
+        bring = ["first bring the DLLs: route (b) or (d) of docs/guide/unity_project.md"]
+    for line in [*wrong, *advice(root), *bring, *next_steps(root, lesson)]:
         say(line)
 
 

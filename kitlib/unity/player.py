@@ -10,8 +10,8 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from kitlib.lessons import KIT, PACKAGE, ROOT, lessons
-from kitlib.setup.dotnet import BUILD, SUPPORT, compiler_errors
+from kitlib.lessons import BUILD, KIT, PACKAGE, ROOT, lessons
+from kitlib.setup.dotnet import SUPPORT, compiler_errors
 from kitlib.terminal import command
 from kitlib.unity.project import find_project
 from kitlib.unity.scripts import code, of_lesson, types, uses

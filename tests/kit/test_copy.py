@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from kitlib import commands, imports
+from kitlib import commands
 from kitlib.commands import copy
 from kitlib.lessons import KIT, KitError, UsageError, lessons
 from kitlib.setup import python_setup
@@ -61,62 +61,6 @@ def test_a_copied_lesson_does_its_work_elsewhere(key, start, tmp_path):
     client = start(PYTHON, folder / lesson.key / "client.py", *words, **environment)
     client.wait_for("^(?!asking|gave up)")
     assert "the kit's" not in server.output + client.output
-
-
-@pytest.fixture
-def small(tmp_path, monkeypatch):
-    """A package and a lesson, made up: modules(name) has what the copy of a program with these lines holds."""
-    monkeypatch.setattr(imports, "PYTHON", tmp_path)
-    files = {
-        "netmq_example/__init__.py": "",
-        "netmq_example/doors.py": "",
-        "netmq_example/one.py": "import os\n\n\ndef late():\n    import netmq_example.two\n",
-        "netmq_example/two.py": "import nothing_of_the_kit",
-        "netmq_example/envs/__init__.py": (
-            "from netmq_example.doors import door\nfrom netmq_example import one\n\n"
-            "if TYPE_CHECKING:\n    from netmq_example.envs.gym import Env\n"
-        ),
-        "netmq_example/envs/gym.py": "class Env:\n    page = 'page.html'\n    why = 'there is no missing.html'",
-        "netmq_example/envs/page.html": "",
-        "netmq_example/envs/vector.py": "import json",
-        "netmq_example/json.py": "",
-        "01_lesson/beside.py": "",
-    }
-    for name, text in files.items():
-        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / name).write_text(text, encoding="utf-8")
-
-    def modules(text):
-        program = tmp_path / "01_lesson" / "program.py"
-        program.write_text(text, encoding="utf-8")
-        imports.read.cache_clear()
-        return {name.removeprefix("netmq_example/") for name in copy.sources([program])} - {"01_lesson/program.py"}
-
-    yield modules
-    imports.read.cache_clear()
-
-
-ONE, ENVS = {"__init__.py", "one.py", "two.py"}, {"envs/__init__.py"}
-
-
-@pytest.mark.parametrize(
-    ("text", "expected"),
-    [
-        ("import json, zmq", set()),
-        ("import beside", {"01_lesson/beside.py"}),
-        # Also what a function imports, which is in two.
-        ("from netmq_example.one import late", ONE),
-        ("try:\n    from netmq_example import one\nexcept ImportError:\n    pass", ONE),
-        # A folder on the way runs its __init__, and nothing needs what that has names for.
-        ("from netmq_example.envs import vector", ONE | ENVS | {"envs/vector.py"}),
-        ("import netmq_example.envs", ONE | ENVS),
-        # A name that its door lends is looked for where it is.
-        ("from netmq_example.envs import Env", ONE | ENVS | {"doors.py", "envs/gym.py", "envs/page.html"}),
-        ("WORLD = 'netmq_example.envs.vector:World'", set()),
-    ],
-)
-def test_what_is_copied_is_read_from_the_imports(text, expected, small):
-    assert small(text) == expected
 
 
 OF_A_READER = """
@@ -211,21 +155,6 @@ def test_what_is_in_the_way_is_named_and_nothing_is_written(tmp_path):
     assert sorted(tmp_path.rglob("*")) == before
     with pytest.raises(UsageError, match="it is empty: name a folder"):
         copied("1", "")
-
-
-@pytest.mark.parametrize(
-    ("words", "why"),
-    [
-        (["99"], "^there is no lesson 99; there are: "),
-        (["netmq_example."], "^there is no module netmq_example.; "),
-        (["netmq_example.nothing"], "^there is no module netmq_example.nothing; "),
-        (["netmq_example", "--csharp"], "^--csharp is for a lesson: leave it out, netmq_example is Python$"),
-    ],
-)
-def test_what_there_is_not_is_said(words, why, tmp_path):
-    with pytest.raises(KitError, match=why):
-        copied(*words, tmp_path / "new")
-    assert not list(tmp_path.iterdir())
 
 
 def test_a_module_or_a_folder_of_the_package_is_copied(tmp_path, capsys):

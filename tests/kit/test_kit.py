@@ -279,6 +279,10 @@ WRONG = [
     ("test tests/nix.py", r"there is no tests/nix\.py; test takes one lesson, or files, and pytest's options"),
     ("test 1 2", "there is no 2; test takes one lesson"),
     ("test 1 -k x nix", "there is no nix; test takes one lesson"),
+    ("copy 99 new", "there is no lesson 99; there are: "),
+    ("copy netmq_example. new", r"there is no module netmq_example\.; "),
+    ("copy netmq_example.nothing new", r"there is no module netmq_example\.nothing; "),
+    ("copy netmq_example new --csharp", "--csharp is for a lesson: leave it out, netmq_example is Python$"),
     ("list all", f"list takes no 'all'; `{lessons.KIT} list --help` shows what it takes$"),
 ]
 
@@ -383,25 +387,6 @@ def test_who_stops_reading_is_not_answered_with_a_traceback():
     done = finished(["sh", "-c", command])
     assert len(done.stdout.splitlines()) == 2
     assert done.stderr == ""
-
-
-def test_a_server_that_cannot_start_ends_the_run(serve, start):
-    _, endpoint = serve("01_request_reply")
-    program = start(PYTHON, KIT, "run", "1", "--client", "python", "--endpoint", endpoint)
-    assert program.wait() == 1
-    assert any(line.startswith(f"server | cannot listen on {endpoint}: ") for line in program.lines)
-    assert "Traceback" not in program.output
-
-
-@pytest.mark.skipif(os.name == "nt", reason="needs symbolic links")
-def test_without_a_dotnet_sdk_the_python_client_runs(tmp_path, start):
-    tools = tmp_path / "tools"
-    tools.mkdir()
-    (tools / "python3").symlink_to(PYTHON)
-    program = start(PYTHON, KIT, "run", "1", "--endpoint", "tcp://127.0.0.1:0", UNHURRIED, PATH=str(tools))
-    assert program.wait(120) == 0, program.output
-    assert any("no .NET SDK 8 or later here: get it from" in line for line in program.lines)
-    assert "client | done: 10 replies" in program.lines
 
 
 def test_where_nothing_helps_one_line_says_what_to_run(monkeypatch, tmp_path):
@@ -601,9 +586,13 @@ def test_where_no_csharp_can_be_built_the_python_client_runs_unless_a_file_was_c
     monkeypatch.setattr(dotnet, "step", lambda *_: Result(1, "x: error CS1002: ; expected"))
     with pytest.raises(KitError, match="CS1002"):
         runner.client_command(None, lessons.find("1"), PYTHON)
-    monkeypatch.setattr(dotnet, "ROOT", tmp_path / "My%20Kit")
-    assert runner.client_command(None, lessons.find("1"), PYTHON)[0] == str(PYTHON)
-    assert "MSBuild takes %20 in" in capsys.readouterr().out
+    for name, value, said in (
+        ("ROOT", tmp_path / "My%20Kit", "MSBuild takes %20 in"),
+        ("sdk", lambda: None, "no .NET SDK 8 or later here: get it from"),
+    ):
+        monkeypatch.setattr(dotnet, name, value)
+        assert runner.client_command(None, lessons.find("1"), PYTHON)[0] == str(PYTHON)
+        assert said in capsys.readouterr().out
 
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows has its own place for each account")
