@@ -78,8 +78,7 @@ def large_extras(lesson: Lesson) -> dict[str, list[str]]:
 def imported(files: Iterable[Path]) -> list[str]:
     """The requirements beyond the core that these files have, in pyproject.toml's words and order."""
     names = imports.packages(files)
-    core = needs()
-    return [need for need in needs(*all_extras()) if need not in core and module(name(need)) in names]
+    return [need for need in needs(*all_extras()) if need not in needs() and module(name(need)) in names]
 
 
 def module(package: str) -> str:
@@ -250,9 +249,9 @@ def install(python: Path, requirements: list[str]) -> Result:
     command = [*pip, "install", "--quiet", "--disable-pip-version-check", *limits, *requirements]
     what = f"installing {', '.join(map(name, requirements))} into .venv"
     if any(PACKAGES.glob("*.whl")):
-        result = step(f"{what} from packages", [*command, "--no-index", "--find-links", PACKAGES], 600, ELSEWHERE)
-        if result.ok:
-            return result
+        brought = step(f"{what} from packages", [*command, "--no-index", "--find-links", PACKAGES], 600, ELSEWHERE)
+        if brought.ok:
+            return brought
     return step(what, command, 600, ELSEWHERE)
 
 

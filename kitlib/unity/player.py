@@ -7,6 +7,7 @@ import functools
 import hashlib
 import itertools
 import re
+import tomllib
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
@@ -18,27 +19,11 @@ from kitlib.unity.scripts import code, of_lesson, types, uses
 
 NAMESPACE = "NetMQExample"
 STAND_INS = SUPPORT / "unity-player" / "UnityEngine"
-# Names of others, of which a page has ours.
-MOVED = {
-    "from_gymize.md": "Gymize NumSharp NDArray ToArray GetSingle Image CompressionType GetName "
-    "ActuatorComponent GymRenderRecorder",
-    "from_ml_agents.md": "MLAgents VectorSensor CollectObservations ActionBuffers ActionSegment OnActionReceived "
-    "OnEpisodeBegin EndEpisode EpisodeInterrupted MaxStep DecisionRequester BehaviorParameters",
-    "from_hello_requester.md": "NetMQContext CreateRequestSocket CreateSubscriberSocket",
-}
+NAMES = tomllib.loads(Path(__file__).with_name("names.toml").read_text(encoding="utf-8"))
+MOVED: dict[str, str] = NAMES["moved"]
+USINGS: dict[str, str] = NAMES["usings"]
 # Of these words, which others use as well: they count only beside one that nobody else has.
 EVERYBODYS = {"ToArray", "GetSingle", "Image", "GetName", "MaxStep"}
-# What is forgotten most often.
-USINGS = {
-    "System": "Action Func Exception Serializable DateTime Math",
-    "System.Collections.Concurrent": "ConcurrentQueue ConcurrentDictionary",
-    "System.Collections.Generic": "List Dictionary Queue HashSet Stack IEnumerable",
-    "System.IO": "File Path StreamReader StreamWriter",
-    "System.Threading": "Thread CancellationToken CancellationTokenSource",
-    "System.Threading.Tasks": "Task",
-    "TMPro": "TMP_Text TextMeshPro TextMeshProUGUI TMP_InputField",
-    "UnityEngine.UI": "Button Image InputField RawImage Slider Text Toggle",
-}
 CHANGED = "the player uses your copy of a kit's file only if you name it here, with each that uses its classes"
 # The compiler's words for a type, a name or a namespace that is nowhere, and for a member that a type does not have.
 NOWHERE = r"error CS(?:0246|0103|0234): \D*?'(?=\w+' does not exist in the namespace '([\w.]+)'|)(\w+)[<,>]*'"
