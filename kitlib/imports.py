@@ -14,7 +14,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from kitlib.lessons import ROOT
+from kitlib.lessons import ROOT, parsed
 
 PYTHON = ROOT / "python"
 IMPORT_NAME = "netmq_example"
@@ -47,7 +47,7 @@ def file_of(module: str, importer: Path) -> Path | None:
 def rooms(init: Path) -> dict[str, str]:
     """The names that a door lends, each with its module: a type checker reads them from the same lines."""
     found: dict[str, str] = {}
-    for node in ast.parse(init.read_text(encoding="utf-8"), str(init)).body:
+    for node in parsed(init).body:
         if isinstance(node, ast.If) and isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING":
             for line in node.body:
                 if isinstance(line, ast.ImportFrom):
@@ -89,7 +89,7 @@ def read(path: Path) -> Source:
         for child in ast.iter_child_nodes(node):
             visit(child, function)
 
-    visit(ast.parse(path.read_text(encoding="utf-8"), str(path)), "")
+    visit(parsed(path), "")
     return source
 
 

@@ -92,9 +92,14 @@ def keep(path: Path, text: str) -> None:
             pass
 
 
+def parsed(path: Path) -> ast.Module:
+    """Its code; a SyntaxError names the file."""
+    return ast.parse(path.read_text(encoding="utf-8"), str(path))
+
+
 def docstring(path: Path) -> str:
     """The text at the top of a program. PYTHONOPTIMIZE takes it away from what is imported or run."""
-    return ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"), str(path))) or ""
+    return ast.get_docstring(parsed(path)) or ""
 
 
 @dataclass(frozen=True)
@@ -149,7 +154,7 @@ class Lesson:
     @property
     def how(self) -> dict[str, Any]:
         """RUN of its server, which says what belongs to a run of the lesson besides server and client."""
-        for node in ast.parse((self.python / "server.py").read_text(encoding="utf-8")).body:
+        for node in parsed(self.python / "server.py").body:
             match node:
                 case ast.Assign(targets=[ast.Name(id="RUN")], value=value):
                     found: dict[str, Any] = ast.literal_eval(value)
