@@ -8,19 +8,30 @@ import textwrap
 from collections.abc import Collection, Mapping
 from pathlib import Path
 
-from kitlib.imports import DOORS, PYTHON, rooms
+from kitlib.imports import DOORS, rooms
+
+# In place of the kit's own, which also knows the names that a copy does not have.
+LOADS = """
+def __getattr__(name):
+    if name not in ROOMS:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(importlib.import_module(ROOMS[name]), name)
+
+def __dir__():
+    return sorted({*globals(), *ROOMS})
+"""
 
 
 def fitted(init: Path, names: Collection[str]) -> bytes:
-    """Its text, for a copy with files of these names. Without doors.py there is no door at all."""
+    """Its text, for a copy with files of these names."""
     text = init.read_text(encoding="utf-8")
-    table, package = rooms(init), ".".join(init.parent.relative_to(PYTHON).parts)
-    there = {name: room for name, room in table.items() if has(DOORS, names) and has(room, names)}
-    if there == table:
+    table = rooms(init)
+    there = {name: room for name, room in table.items() if has(room, names)}
+    if there == table and (not table or has(DOORS, names)):
         return init.read_bytes()
     lines = text.splitlines(keepends=True)
     for node in reversed(ast.parse(text).body):
-        new = replaced(node, package, there, table)
+        new = replaced(node, there, table)
         if new is not None:
             start, end = node.lineno - 1, node.end_lineno or node.lineno
             # A comment goes with the statement that it is about, and so do the blank lines behind it.
@@ -37,14 +48,14 @@ def has(module: str, names: Collection[str]) -> bool:
     return f"{path}.py" in names or f"{path}/__init__.py" in names
 
 
-def replaced(node: ast.stmt, package: str, there: Mapping[str, str], table: Mapping[str, str]) -> str | None:
+def replaced(node: ast.stmt, there: Mapping[str, str], table: Mapping[str, str]) -> str | None:
     """The lines in place of a statement of the door; None for any other statement, which stays."""
     match node:
         case ast.ImportFrom(module="typing") if not there:
             others = [each.name for each in node.names if each.name != "TYPE_CHECKING"]
             return f"from typing import {', '.join(others)}\n" if others else ""
-        case ast.ImportFrom(module="netmq_example.doors") if not there:
-            return ""
+        case ast.ImportFrom(module="netmq_example.doors"):
+            return "import importlib\n" if there else ""
         case ast.Assign(targets=[ast.Name(id="__all__")], value=value):
             names = [name for name in ast.literal_eval(value) if name in there or name not in table]
             return f"__all__ = {json.dumps(names, indent=4)}\n" if names else ""
@@ -52,15 +63,6 @@ def replaced(node: ast.stmt, package: str, there: Mapping[str, str], table: Mapp
             imports = [f"    from {room} import {name}\n" for name, room in there.items()]
             return "".join(["if TYPE_CHECKING:\n", *imports]) if imports else ""
         case ast.If(test=ast.UnaryOp(operand=ast.Name(id="TYPE_CHECKING"))):
-            return hidden(package, there) if there else ""
+            lines = f"ROOMS = {json.dumps(there, indent=4)}\n{LOADS}"
+            return "if not TYPE_CHECKING:\n" + textwrap.indent(lines, "    ") if there else ""
     return None
-
-
-def hidden(package: str, there: Mapping[str, str]) -> str:
-    """The table for Python itself, in the form that the kit's own have."""
-    found: dict[str, list[str]] = {}
-    for name, room in there.items():
-        found.setdefault(room.removeprefix(f"{package}."), []).append(name)
-    table = json.dumps({room: " ".join(names) for room, names in found.items()}, indent=4)
-    lines = f"ROOMS = {table}\n__getattr__, __dir__ = door(__name__, ROOMS)\n"
-    return "if not TYPE_CHECKING:\n" + textwrap.indent(lines, "    ")

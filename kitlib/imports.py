@@ -18,7 +18,7 @@ from kitlib.lessons import ROOT, parsed
 
 PYTHON = ROOT / "python"
 IMPORT_NAME = "netmq_example"
-# Only an `__init__.py` with a table of names needs it, and only where a program goes through that table.
+# The doors of a copy have their own way to load a name: see kitlib/doors.py.
 DOORS = f"{IMPORT_NAME}.doors"
 
 
@@ -55,13 +55,13 @@ def rooms(init: Path) -> dict[str, str]:
     return found
 
 
-def needed(module: str, name: str, importer: Path) -> list[str]:
-    """The modules that `from module import name` needs."""
+def needed(module: str, name: str, importer: Path) -> str:
+    """The module that `from module import name` needs."""
     if file_of(f"{module}.{name}", importer):
-        return [f"{module}.{name}"]
+        return f"{module}.{name}"
     file = file_of(module, importer)
     room = rooms(file).get(name) if file and file.name == "__init__.py" else None
-    return [room, DOORS] if room else [module]
+    return room or module
 
 
 @functools.cache
@@ -73,13 +73,12 @@ def read(path: Path) -> Source:
             case ast.FunctionDef() | ast.AsyncFunctionDef():
                 function = node.name
             case ast.If(test=ast.Name(id="TYPE_CHECKING")) | ast.ImportFrom(module="netmq_example.doors"):
-                # The first is for a type checker alone, and the second is there where a program needs it.
+                # The first is for a type checker alone, and no copy needs the second.
                 return
             case ast.Import():
                 source.imports += [(function, each.name) for each in node.names]
             case ast.ImportFrom(module=str(module)):
-                modules = [each for name in node.names for each in needed(module, name.name, path)]
-                source.imports += [(function, each) for each in modules]
+                source.imports += [(function, needed(module, each.name, path)) for each in node.names]
             case ast.Name():
                 source.names.add(node.id)
             case ast.Attribute():

@@ -77,9 +77,7 @@ def module(name: str) -> tuple[dict[str, bytes], list[str]]:
     if not file:
         raise UsageError(f"there is no module {name}; {imports.PYTHON / imports.IMPORT_NAME} has them")
     found = sorted(file.parent.rglob("*.py")) if file.name == "__init__.py" else [file]
-    # Its names are for programs of the reader's own, which may take them from the front door.
-    door = imports.file_of(imports.DOORS, ROOT)
-    files = sources([*found, *([door] if door else [])])
+    files = sources(found)
     if name == imports.IMPORT_NAME:
         # By it a type checker reads the types of a package.
         files[f"{name}/py.typed"] = file.with_name("py.typed").read_bytes()

@@ -86,8 +86,6 @@ def test_a_door_of_a_copy_leads_to_what_is_there(tmp_path):
         return done.stdout.splitlines()[-1], done.stderr.splitlines()[-1]
 
     copied("9", tmp_path)
-    # Its programs name modules, and no door.
-    assert not (tmp_path / "netmq_example" / "doors.py").exists()
     closed = door.read_bytes()
     copied("netmq_example.publisher", tmp_path)
     names = ["Closed", "Error", "Lost", "Message", "MessageError", "Publisher", "Refused", "Timeout"]
@@ -119,7 +117,8 @@ def test_what_differs_stays_unless_it_is_forced(tmp_path, capsys):
     server.write_text("mine", encoding="utf-8")
     # Git may have changed the ends of the lines, which is no change.
     license.write_bytes(license.read_bytes().replace(b"\n", b"\r\n"))
-    before = {path: path.read_bytes() for path in folder.rglob("*.*")}
+    # But for the front door, which leads to more then.
+    before = {path: path.read_bytes() for path in folder.rglob("*.*") if path.name != "__init__.py"}
     with pytest.raises(KitError, match=r"01_request_reply.server\.py in \S+ differs: nothing was copied; --force"):
         copied("1", folder)
     # Lesson 02 has the same licence beside it, and its programs are others.
