@@ -600,7 +600,7 @@ def test_without_a_home_dotnet_has_one_in_the_kit():
     code = "from kitlib.setup import dotnet; print(dotnet.ENVIRONMENT['HOME'], dotnet.nuget_folder())"
     environment = {**os.environ, "HOME": "/nowhere", "NUGET_PACKAGES": ""}
     said = finished([PYTHON, "-c", code], cwd=ROOT, env=environment).stdout
-    assert said == f"{dotnet.BUILD} {dotnet.BUILD / '.nuget' / 'packages'}\n"
+    assert said == f"{lessons.BUILD} {lessons.BUILD / '.nuget' / 'packages'}\n"
 
 
 def test_a_folder_may_have_any_name(netmq, copy):
