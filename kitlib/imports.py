@@ -1,7 +1,7 @@
-"""What a program needs of the kit and of other packages, read from its imports.
+"""A program's needs, of the kit and of other packages, are read from its imports, and from nothing else.
 
-An import names a module, and needs the `__init__.py` of each folder on its way as well. A text may name one, too:
-"netmq_example.envs.gym_env:ZmqEnv", as Gymnasium's registry has it.
+An import names a module, and needs the `__init__.py` of each folder on its way as well. A name that such a folder's
+door lends, as in `from netmq_example import Server`, needs the module that the door has for it.
 """
 
 from __future__ import annotations
@@ -14,15 +14,17 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from kitlib.lessons import ROOT
+from kitlib.lessons import ROOT, parsed
 
 PYTHON = ROOT / "python"
-PACKAGE = "netmq_example"
+IMPORT_NAME = "netmq_example"
+# The doors of a copy have their own way to load a name: see kitlib/doors.py.
+DOORS = f"{IMPORT_NAME}.doors"
 
 
 @dataclass
 class Source:
-    """What one file names: modules by the function whose body imports them, "" where none does, and everything else."""
+    """A file's imports, each with the function around it or "", and the names and texts that it uses."""
 
     imports: list[tuple[str, str]] = field(default_factory=list)
     names: set[str] = field(default_factory=set)
@@ -32,9 +34,9 @@ class Source:
 @functools.cache
 def file_of(module: str, importer: Path) -> Path | None:
     """The file of a module of the package, or of one beside a program."""
-    if module.split(".")[0] == PACKAGE:
+    if module.split(".")[0] == IMPORT_NAME:
         path = PYTHON.joinpath(*module.split("."))
-    elif importer.is_relative_to(PYTHON / PACKAGE):
+    elif importer.is_relative_to(PYTHON / IMPORT_NAME):
         return None
     else:
         path = importer.parent.joinpath(*module.split("."))
@@ -42,16 +44,24 @@ def file_of(module: str, importer: Path) -> Path | None:
 
 
 @functools.cache
-def origin(module: str, name: str, importer: Path) -> str:
-    """The module that `from module import name` needs: its own, where an `__init__` only lends it."""
+def rooms(init: Path) -> dict[str, str]:
+    """The names that a door lends, each with its module: a type checker reads them from the same lines."""
+    found: dict[str, str] = {}
+    for node in parsed(init).body:
+        if isinstance(node, ast.If) and isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING":
+            for line in node.body:
+                if isinstance(line, ast.ImportFrom):
+                    found |= {each.name: str(line.module) for each in line.names}
+    return found
+
+
+def needed(module: str, name: str, importer: Path) -> str:
+    """The module that `from module import name` needs."""
     if file_of(f"{module}.{name}", importer):
         return f"{module}.{name}"
     file = file_of(module, importer)
-    if file and file.name == "__init__.py":
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.ImportFrom) and name in [each.name for each in node.names]:
-                return origin(str(node.module), name, importer)
-    return module
+    room = rooms(file).get(name) if file and file.name == "__init__.py" else None
+    return room or module
 
 
 @functools.cache
@@ -62,16 +72,13 @@ def read(path: Path) -> Source:
         match node:
             case ast.FunctionDef() | ast.AsyncFunctionDef():
                 function = node.name
-            case ast.If(test=ast.Name(id="TYPE_CHECKING")):
-                # The names that __getattr__ has, for a type checker.
-                function = "__getattr__"
-            case ast.Call(func=ast.Attribute(attr="getLogger")):
-                # A logger has a module's name, and needs none.
+            case ast.If(test=ast.Name(id="TYPE_CHECKING")) | ast.ImportFrom(module="netmq_example.doors"):
+                # The first is for a type checker alone, and no copy needs the second.
                 return
             case ast.Import():
                 source.imports += [(function, each.name) for each in node.names]
             case ast.ImportFrom(module=str(module)):
-                source.imports += [(function, origin(module, each.name, path)) for each in node.names]
+                source.imports += [(function, needed(module, each.name, path)) for each in node.names]
             case ast.Name():
                 source.names.add(node.id)
             case ast.Attribute():
@@ -81,42 +88,32 @@ def read(path: Path) -> Source:
         for child in ast.iter_child_nodes(node):
             visit(child, function)
 
-    visit(ast.parse(path.read_text(encoding="utf-8"), str(path)), "")
+    visit(parsed(path), "")
     return source
 
 
-def modules(files: Iterable[Path], named: bool = True) -> list[Path]:
-    """These files, and all of the kit that they import, directly or through others.
-
-    With `named` also what texts name, such as an environment of Gymnasium's registry, and what `__getattr__` imports.
-    Only those of a package that is imported itself: one that is on the way to a module of it would bring all it has.
-    """
-    found = {(path, True): None for path in files}
+def modules(files: Iterable[Path]) -> list[Path]:
+    """These files, and all of the kit that they import, directly or through others."""
+    found = dict.fromkeys(files)
     todo = list(found)
-    for path, itself in todo:
-        source, whole = read(path), itself and named
-        wanted = [name for function, name in source.imports if whole or function != "__getattr__"]
-        if whole:
-            texts = [text for text in source.texts if re.fullmatch(rf"{PACKAGE}(\.\w+)+(:\w+)?", text)]
-            wanted += [text.partition(":")[0] for text in texts]
-        for name in wanted:
+    for path in todo:
+        for _, name in read(path).imports:
             if target := file_of(name, path):
-                on_the_way = [(init, False) for init in inits(target) if init != target]
-                new = [each for each in (*on_the_way, (target, True)) if each not in found]
-                found.update(dict.fromkeys(new))
+                new = [each for each in (*inits(target), target) if each not in found]
+                found |= dict.fromkeys(new)
                 todo += new
-    return list(dict.fromkeys(path for path, _ in found))
+    return list(found)
 
 
 def inits(module: Path) -> Iterator[Path]:
     """The `__init__.py` of each folder from the package's down to a module of it."""
     for folder in reversed(module.parents):
-        if folder.is_relative_to(PYTHON / PACKAGE):
+        if folder.is_relative_to(PYTHON / IMPORT_NAME) and folder / "__init__.py" != module:
             yield folder / "__init__.py"
 
 
 def data(files: Iterable[Path]) -> list[Path]:
-    """What these read from their own folder, such as a page: a file whose name is one of their texts."""
+    """The files, such as a page, that these read from their own folder: each is named by one of their texts."""
     found = [
         path.with_name(text)
         for path in files
@@ -129,9 +126,9 @@ def data(files: Iterable[Path]) -> list[Path]:
 def packages(files: Iterable[Path]) -> set[str]:
     """The modules of other packages that these files need, with the kit's that they import.
 
-    What a function imports counts where something mentions that function: `Array.numpy` imports numpy.
+    The imports of a function count where something mentions that function: `Array.numpy` imports numpy.
     """
-    sources = {path: read(path) for path in modules(files, named=False)}
+    sources = {path: read(path) for path in modules(files)}
     mentioned = set().union({""}, *(source.names for source in sources.values()))
     found = {
         name.partition(".")[0]

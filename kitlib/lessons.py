@@ -15,14 +15,16 @@ from typing import Any
 ROOT = Path(__file__).resolve().parent.parent
 # The Unity package.
 PACKAGE = ROOT / "unity" / "Assets" / "NetMQExample"
-# What a classroom without internet brings along: wheels and NuGet packages, from `kit.py pack`.
+# Everything that is made here, and can be made again.
+BUILD = ROOT / ".build"
+# A classroom without internet brings these along: wheels and NuGet packages, from `kit.py pack`.
 PACKAGES = ROOT / "packages"
 WINDOWS = os.name == "nt"
 KIT = "py kit.py" if WINDOWS else "python3 kit.py"
 
 
 class KitError(Exception):
-    """What a user can mend: one line with the cause and the cure."""
+    """A user can mend it: it is one line with the cause and the cure."""
 
     code = 1
 
@@ -59,7 +61,7 @@ def unwritable(path: Path) -> str:
 
 
 def denied(output: str) -> str:
-    """What another program was not allowed to write, by its own words, and whose it is; or nothing."""
+    """The file that another program was not allowed to write, by its own words, and whose it is; or nothing."""
     found = re.search(r"(?:denied: |Access to the path )'([^']+)'", output)
     # On Windows a program that still uses the file is what denies it, most often.
     return unwritable(Path(found[1])) if found and not WINDOWS else ""
@@ -90,9 +92,14 @@ def keep(path: Path, text: str) -> None:
             pass
 
 
+def parsed(path: Path) -> ast.Module:
+    """Its code; a SyntaxError names the file."""
+    return ast.parse(path.read_text(encoding="utf-8"), str(path))
+
+
 def docstring(path: Path) -> str:
-    """What stands at the top of a program. PYTHONOPTIMIZE takes it away from what is imported or run."""
-    return ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"), str(path))) or ""
+    """The text at the top of a program. PYTHONOPTIMIZE takes it away from what is imported or run."""
+    return ast.get_docstring(parsed(path)) or ""
 
 
 @dataclass(frozen=True)
@@ -126,12 +133,12 @@ class Lesson:
         if chosen:
             chosen.mkdir(parents=True, exist_ok=True)
             return chosen
-        folder = ROOT / ".build" / "run" / self.key[:2]
+        folder = BUILD / "run" / self.key[:2]
         return folder if writable(folder) else ROOT
 
     @property
     def header(self) -> str:
-        """What stands at the top of the server."""
+        """The text at the top of the server."""
         return docstring(self.python / "server.py") or self.key
 
     @property
@@ -145,10 +152,24 @@ class Lesson:
         return self.number >= 20
 
     @property
+    def how(self) -> dict[str, Any]:
+        """RUN of its server, which says what belongs to a run of the lesson besides server and client."""
+        for node in parsed(self.python / "server.py").body:
+            match node:
+                case ast.Assign(targets=[ast.Name(id="RUN")], value=value):
+                    found: dict[str, Any] = ast.literal_eval(value)
+                    return found
+        return {}
+
+    @property
     def also(self) -> list[list[str]]:
-        """What else belongs to a run, as the header says it: `Also started: train.py --areas 2`. It gets the server's
-        endpoint."""
-        return [line.split() for line in re.findall(r"^ *Also started: (.+)$", self.header, re.MULTILINE)]
+        """The other programs that are started, and get the server's endpoint, such as `train.py --areas 2`."""
+        return [line.split() for line in self.how.get("also", [])]
+
+    @property
+    def scheme(self) -> str:
+        """How its endpoints begin: a gateway's are those of the web."""
+        return str(self.how.get("scheme", "tcp"))
 
     @property
     def anywhere(self) -> str:
@@ -156,16 +177,9 @@ class Lesson:
         return f"{self.scheme}://127.0.0.1:0"
 
     @property
-    def scheme(self) -> str:
-        """How its endpoints begin: a gateway's are those of the web."""
-        return "http" if re.search(r" listening on http://", self.header) else "tcp"
-
-    @property
     def behind(self) -> list[tuple[str, Lesson]]:
-        """What it passes requests on to, as the header says it: `Started behind it: --hello 01_request_reply`. The
-        option takes where that lesson's server listens."""
-        lines = re.findall(r"^ *Started behind it: (.+)$", self.header, re.MULTILINE)
-        return [(name, Lesson(key)) for line in lines for name, key in re.findall(r"(--\w+) (\w+)", line)]
+        """The lessons whose servers answer behind it, each with the option that takes where that one listens."""
+        return [(name, find(str(number))) for name, number in self.how.get("behind", {}).items()]
 
 
 def lessons() -> list[Lesson]:

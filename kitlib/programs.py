@@ -10,6 +10,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -93,7 +94,7 @@ class Program:
                     raise KitError(f"{self.name} was silent for {limit:g} s; is the machine busy?")
 
     def endpoints(self) -> dict[str, str]:
-        """What the ready line says the server listens on, and where else by the lines before: `snapshots on E2`."""
+        """Where the server listens, by its ready line and by those before it, such as `snapshots on E2`."""
         self.wait_for(r"^listening on (tcp|http)://\S+$")
         said = [match for line in self.lines if (match := re.match(r"(\w+) on ((?:tcp|http)://\S+)$", line))]
         found = {match[1]: match[2] for match in said}
@@ -104,11 +105,9 @@ class Program:
         stop(self.process, moment)
         self.reader.join(GOODBYE)
         if self.process.stdin:
-            try:
+            # It may not have lived to read the last line.
+            with suppress(BrokenPipeError):
                 self.process.stdin.close()
-            except BrokenPipeError:
-                # A line for it that it did not live to read.
-                pass
 
 
 def run_in_terminal(command: Sequence[str | Path], folder: Path = ROOT) -> int:
@@ -214,10 +213,8 @@ def end(process: subprocess.Popen[bytes], limit: float = GOODBYE) -> None:
     """Pass Ctrl-C on to a program of `spawn`, wait for it to clear up, and end what is left of it and its own."""
     with uninterrupted():
         signal_all(process, "SIGINT")
-        try:
+        with suppress(subprocess.TimeoutExpired):
             process.wait(limit)
-        except subprocess.TimeoutExpired:
-            pass
         signal_all(process, "SIGKILL")
         process.kill()
         process.wait()
@@ -226,10 +223,8 @@ def end(process: subprocess.Popen[bytes], limit: float = GOODBYE) -> None:
 def signal_all(process: subprocess.Popen[bytes], name: str) -> None:
     """Signal a program of `spawn` and all that it started."""
     if sys.platform != "win32":
-        try:
+        with suppress(ProcessLookupError, PermissionError):
             os.killpg(process.pid, getattr(signal, name))
-        except (ProcessLookupError, PermissionError):
-            pass
     elif process.poll() is None:
         if name == "SIGINT":
             ask_to_end(process)

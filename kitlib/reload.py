@@ -1,4 +1,4 @@
-"""What stands behind `server N --reload`: a program that is started anew when one of its Python files is saved, and
+"""`server N --reload` starts a program anew when one of its Python files is saved, and
 when a signal has ended it, as an assertion of libzmq's does.
 """
 

@@ -7,12 +7,12 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-# What asks a program to end. The last is Windows' own.
+# These ask a program to end. The last is Windows' own.
 ENDS = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
 
 
 def interruptible() -> None:
-    """Whatever asks us to end, `kill` and a closed terminal too, is a KeyboardInterrupt, so that we clear up."""
+    """Each signal that asks us to end is a KeyboardInterrupt, so that we clear up: also a closed terminal."""
     for name in ENDS:
         # One that is ignored was ignored on purpose: nohup does so.
         if hasattr(signal, name) and signal.getsignal(getattr(signal, name)) != signal.SIG_IGN:

@@ -1,4 +1,4 @@
-"""What a person sees: whole lines behind the name of their speaker, with colours on a terminal only."""
+"""A person sees whole lines behind the name of their speaker, with colours on a terminal only."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What stands behind `run N --watch`: lesson 16's tap between the lesson's two sides, and its page in a browser."""
+"""`run N --watch` puts lesson 16's tap between the lesson's two sides, and opens its page in a browser."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from kitlib.lessons import KitError, Lesson
 from kitlib.programs import Program
 from kitlib.terminal import say
 
-# What the tap needs beyond the core.
+# The tap needs this extra beyond the core.
 EXTRA = "16_web_gateway"
 # So many seconds a browser has to open the page.
 TIMEOUT = 20.0

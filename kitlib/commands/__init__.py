@@ -41,13 +41,10 @@ def guarded(work: Callable[[], int]) -> int:
     try:
         return work()
     except KitError as error:
-        print(coloured("kit    |", "error", sys.stderr), error, file=sys.stderr)
-        return error.code
+        return complain(error, error.code)
     except SyntaxError as error:
         # Of a lesson's program, which is read for what it needs.
-        where = f"{error.filename}, line {error.lineno}: {error.msg}; fix it"
-        print(coloured("kit    |", "error", sys.stderr), where, file=sys.stderr)
-        return 1
+        return complain(f"{error.filename}, line {error.lineno}: {error.msg}; fix it")
     except KeyboardInterrupt:
         return 130
     except BrokenPipeError:
@@ -60,15 +57,19 @@ def guarded(work: Callable[[], int]) -> int:
             why = "it is in the way: name another place"
         elif isinstance(error, PermissionError):
             why = unwritable(Path(str(error.filename or ROOT)))
-        print(coloured("kit    |", "error", sys.stderr), f"{error}; {why}", file=sys.stderr)
-        return 1
+        return complain(f"{error}; {why}")
+
+
+def complain(why: object, code: int = 1) -> int:
+    print(coloured("kit    |", "error", sys.stderr), why, file=sys.stderr)
+    return code
 
 
 def start(names: Sequence[str], words: list[str]) -> int:
     """Find the command and do it."""
     if not words or words[0] in ("-h", "--help", "help"):
         print(docstring(ROOT / "kit.py").replace("python3 kit.py", KIT))
-        # Who typed nothing wanted something, and a script must notice that nothing was done.
+        # An empty command line is a mistake, and a script must notice that nothing was done.
         return 0 if words else 2
     name = words[0]
     if name in ("--version", "version"):
@@ -103,7 +104,7 @@ def parse(command: ModuleType, words: list[str]) -> argparse.Namespace:
     )
     if hasattr(command, "add_options"):
         command.add_options(parser)
-    # What comes after `--` is never taken for our own.
+    # The words after `--` are never taken for our own.
     end = words.index("--") if passes_on and "--" in words else len(words)
     options, rest = parser.parse_known_args(words[:end])
     if passes_on:

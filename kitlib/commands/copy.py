@@ -7,11 +7,12 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 
-from kitlib import imports
+from kitlib import doors, imports
+from kitlib.files import digest, news, place
 from kitlib.lessons import KIT, PACKAGE, ROOT, KitError, Lesson, UsageError, find
 from kitlib.setup import python_setup
 from kitlib.terminal import command, say
-from kitlib.unity.install import code, digest, place, without_unity
+from kitlib.unity.scripts import code, without_unity
 
 ABOUT = (
     "Copies a lesson's Python programs and just those modules of netmq_example that they import into a folder of yours,"
@@ -43,7 +44,7 @@ def a_folder(text: str) -> Path:
 
 
 def do(options: argparse.Namespace) -> int:
-    of_the_package = options.what.split(".")[0] == imports.PACKAGE
+    of_the_package = options.what.split(".")[0] == imports.IMPORT_NAME
     if options.csharp and of_the_package:
         raise UsageError(f"--csharp is for a lesson: leave it out, {options.what} is Python")
     if options.csharp:
@@ -74,10 +75,10 @@ def module(name: str) -> tuple[dict[str, bytes], list[str]]:
     """A module of the package, or all of a folder of it."""
     file = imports.file_of(name, ROOT) if re.fullmatch(r"\w+(\.\w+)*", name) else None
     if not file:
-        raise UsageError(f"there is no module {name}; {imports.PYTHON / imports.PACKAGE} has them")
+        raise UsageError(f"there is no module {name}; {imports.PYTHON / imports.IMPORT_NAME} has them")
     found = sorted(file.parent.rglob("*.py")) if file.name == "__init__.py" else [file]
     files = sources(found)
-    if name == imports.PACKAGE:
+    if name == imports.IMPORT_NAME:
         # By it a type checker reads the types of a package.
         files[f"{name}/py.typed"] = file.with_name("py.typed").read_bytes()
     return files, [f"needs: {names([*python_setup.needs(), *python_setup.imported(found)])}"]
@@ -100,33 +101,40 @@ def sources(files: Iterable[Path]) -> dict[str, bytes]:
     return {path.relative_to(imports.PYTHON).as_posix(): path.read_bytes() for path in [*found, *imports.data(found)]}
 
 
+def opened(folder: Path, files: Iterable[str]) -> tuple[dict[str, bytes], dict[str, bytes]]:
+    """Each door of the copy, by its name: as an earlier copy has left it, and as it leads to what is there then."""
+    there = {path.relative_to(folder).as_posix() for path in (folder / imports.IMPORT_NAME).rglob("*.py")}
+    names = there.union(files)
+    inits = [name for name in names if name.endswith("/__init__.py") and (imports.PYTHON / name).is_file()]
+    was, become = ({name: doors.fitted(imports.PYTHON / name, some) for name in inits} for some in (there, names))
+    return was, {name: data for name, data in become.items() if name in files or data != was[name]}
+
+
 def names(needs: Iterable[str]) -> str:
     return ", ".join(map(python_setup.name, needs))
 
 
 def write(folder: Path, files: dict[str, bytes], force: bool) -> None:
     """All of them or none; a file that differs stays, unless it is told otherwise."""
-    files = {**files, LICENCE: (ROOT / "LICENSE").read_bytes()}
     if folder.exists() and not folder.is_dir():
         raise KitError(f"{folder} is a file: name a folder")
+    was, become = opened(folder, files)
+    files = {**files, **become, LICENCE: (ROOT / "LICENSE").read_bytes()}
     for name in files:
         if (folder / name).is_dir():
             raise KitError(f"{folder / name} is a folder, and a file of this name would be copied: nothing was")
         for parent in (folder / name).parents:
             if parent != folder and parent.is_relative_to(folder) and parent.exists() and not parent.is_dir():
                 raise KitError(f"{parent} is a file, and a folder of this name would be made: nothing was copied")
-    there = {name: digest((folder / name).read_bytes()) for name in files if (folder / name).exists()}
-    differ = [name for name, old in there.items() if old != digest(files[name])]
-    if differ and not force:
-        more = f" and {len(differ) - 1} more" if len(differ) > 1 else ""
-        raise KitError(f"{differ[0]}{more} in {folder} differs: nothing was copied; --force overwrites it")
-    news = {name: data for name, data in files.items() if name in differ or name not in there}
+    # A door that an earlier copy wrote is opened further, and is nobody's change.
+    known = {name: digest(data) for name, data in was.items()}
+    found = news(folder, files, known, "" if force else f"in {folder} differs")
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        place(folder, news)
+        place(folder, found)
     except OSError as error:
         raise KitError(f"could not write into {folder}: {error}; name another folder, or make room") from None
-    for name in news:
+    for name in found:
         say(f"wrote {folder / name}")
-    if len(files) > len(news):
-        say(f"{len(files) - len(news)} files were there already")
+    if len(files) > len(found):
+        say(f"{len(files) - len(found)} files were there already")

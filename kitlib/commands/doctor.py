@@ -12,7 +12,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from kitlib.lessons import KIT, ROOT, KitError, Lesson, find, lessons, unwritable, writable
+from kitlib.lessons import BUILD, KIT, ROOT, KitError, Lesson, find, lessons, unwritable, writable
 from kitlib.programs import quietly
 from kitlib.setup import dotnet, python_setup
 from kitlib.terminal import coloured, command
@@ -36,8 +36,8 @@ def do(_: argparse.Namespace) -> int:
 def rows(python: Path | None) -> Iterator[Row]:
     """(fine, what, finding) for each thing a lesson may need."""
     yield True, "Python", f"{sys.version.split()[0]} ({sys.executable})"
-    fine = writable(ROOT / ".build")
-    yield fine, "folder", str(ROOT) if fine else unwritable(ROOT / ".build")
+    fine = writable(BUILD)
+    yield fine, "folder", str(ROOT) if fine else unwritable(BUILD)
     if python is None:
         yield False, "pyzmq", f"missing; `{KIT} run 1` installs it, or says what to run"
     else:
@@ -72,7 +72,7 @@ def package_rows(python: Path) -> Iterator[Row]:
 
 
 def optional_rows(python: Path, lesson: Lesson) -> Iterator[Row]:
-    """What only a part of a lesson needs, such as a webcam."""
+    """The needs of a part of a lesson, such as a webcam's."""
     for part, needs in python_setup.large_extras(lesson).items():
         packages = [python_setup.name(need) for need in needs]
         missing = python_setup.not_found(python, packages)

@@ -13,7 +13,7 @@ from kitlib.lessons import PACKAGES, ROOT, KitError, UsageError, lessons
 from kitlib.programs import step
 from kitlib.setup import dotnet, python_setup
 from kitlib.terminal import say
-from kitlib.unity.install import LICENCES
+from kitlib.unity.libraries import LICENCES
 
 # The tags that pip knows a system's wheels by, newer ones first, for each kind of processor. On macOS pip adds those of
 # earlier systems, and of wheels for both kinds.
@@ -22,25 +22,8 @@ SYSTEMS = {
     "macos": [["macosx_14_0_arm64"], ["macosx_14_0_x86_64"]],
     "linux": [["manylinux_2_28_x86_64", "manylinux_2_26_x86_64", "manylinux_2_17_x86_64", "manylinux2014_x86_64"]],
 }
-NOTE = """For a room without internet: packages for NetMQExample, {system}, Python {python}.
-
-{install}
-Copy the kit to a folder there and this folder into it, under the name `packages`. Then: {py} kit.py run 1
-"""
-
-INSTALL = f"""On every machine install Python {{python}} and the .NET SDK {{sdk}}, as here; fetch their installers from
-    https://www.python.org/downloads/
-    {dotnet.INSTALLER}"""
-INSTALL_ON_WINDOWS = f"""{INSTALL}
-Of Python take the installer of that version: the install manager needs internet.
-Without an administrator: Python "just for me", in the account that is used, without *Use admin privileges*, and the
-SDK's file *Binaries*, unpacked into a folder that is put on that account's PATH. If `where.exe dotnet` shows another
-one first, type in each new Command Prompt: set PATH=C:\\that\\folder;%PATH%"""
-INSTALL_ON_LINUX = f"""On every machine Python {{python}} is the system's own: `python3 --version` shows which. One of
-`python3 -m ensurepip --version` and `python3 -m pip --version` must print a version; if none does, an administrator
-installs python3-venv.
-The .NET SDK {{sdk}}, as here, is the file *Binaries* of {dotnet.INSTALLER}:
-unpack it into a folder, and put that on PATH."""
+# How a room is set up, for each system.
+NOTES = ROOT / "kitlib" / "notes"
 
 ABOUT = "Fetches what a room without internet needs: wheels for Python, NuGet packages, and where the installers are."
 EXAMPLES = [
@@ -74,12 +57,9 @@ def pack(folder: Path, system: str | None, version: str | None) -> None:
     for tags in SYSTEMS[system]:
         wheels(folder, system, version, tags)
     nuget(folder)
-    py = "py" if system == "windows" else "python3"
     note = folder / f"READ_ME_{system}_{version}.txt"
     # One of another number may lack what this one has in its own folder, and so did not fetch.
-    install = {"linux": INSTALL_ON_LINUX, "windows": INSTALL_ON_WINDOWS}.get(system, INSTALL)
-    install = install.format(python=version, sdk=sdk.split(".")[0])
-    text = NOTE.format(system=system, python=version, install=install, py=py)
+    text = (NOTES / f"{system}.txt").read_text(encoding="utf-8").format(python=version, sdk=sdk.split(".")[0])
     note.write_text(text, encoding="utf-8")
     say(f"{folder} is ready; its {note.name} says what to do with it")
 
@@ -107,14 +87,14 @@ def wheels(folder: Path, system: str, version: str, tags: list[str]) -> None:
 
 
 def nuget(folder: Path) -> None:
-    """What a restore of the C# client takes from NuGet, NetMQ and all that comes with it."""
+    """All that a restore of the C# client takes from NuGet: NetMQ, and what comes with it."""
     store = dotnet.nuget_folder()
     # A source that is not there is an error.
     store.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as fetched:
         properties = dotnet.NetMQ("").properties
         command: list[str | Path] = ["dotnet", "restore", dotnet.CONSOLE, *properties, "--packages", fetched]
-        # What this machine has already need not come over the net again.
+        # The packages of this machine need not come over the net again.
         command += [
             f"-p:RestoreAdditionalProjectSources={dotnet.escaped(store)}",
             f"-p:ArtifactsPath={dotnet.escaped(Path(fetched, 'made'))}",

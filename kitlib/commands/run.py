@@ -6,6 +6,7 @@ import argparse
 import functools
 import shlex
 from pathlib import Path
+from subprocess import DEVNULL
 
 from kitlib import lessons
 from kitlib.lessons import KitError, Lesson, UsageError, find
@@ -100,6 +101,52 @@ def client_command(kind: str | None, lesson: Lesson, python: Path | None = None)
     return ["dotnet", str(built), lesson.key, *unity]
 
 
+class Session:
+    """The programs of a run: each is shown behind its name, and in the end all are ended, the newest first."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        # A Ctrl-C before the client has ended is the end of the run.
+        self.code = 130
+        self.started: list[Program] = []
+        self.last = ""
+
+    def start(self, name: str, command: list[str], stdin: int | None = DEVNULL) -> Program:
+        program = Program(command, folder=self.folder, stdin=stdin, heard=functools.partial(self.hear, name))
+        self.started.append(program)
+        return program
+
+    def hear(self, name: str, line: str) -> None:
+        """The client's last line is the end of the story: it waits for what the server has still to say."""
+        if name == "client":
+            self.show_last()
+        if name == "client" and line.startswith("done: "):
+            self.last = line
+        else:
+            show(name, line)
+
+    def show_last(self) -> None:
+        if self.last:
+            show("client", self.last)
+        self.last = ""
+
+    def __enter__(self) -> Session:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> bool:
+        stopped = kind is KeyboardInterrupt
+        with uninterrupted():
+            # The last one was waited for; any other one that has ended by now may have been killed.
+            for program in self.started[:-1]:
+                if program.process.poll() is not None:
+                    wait(program.process, Path(program.command[1]).name)
+            for program in reversed(self.started):
+                # The terminal sends Ctrl-C to the programs too; they are given the time to end by themselves.
+                program.end(MOMENT if stopped else 0)
+            self.show_last()
+        return stopped
+
+
 def run(
     folder: Path,
     server: list[str],
@@ -112,65 +159,31 @@ def run(
 
     A tap between them stays until Ctrl-C.
     """
-    started: list[Program] = []
-    last: list[str] = []
-    code: int | None = None
-    moment = 0.0
-
-    def hear_client(line: str) -> None:
-        show_last()
-        # The end of the story: it waits for what the server has still to say.
-        last.append(line) if line.startswith("done: ") else show("client", line)
-
-    def show_last() -> None:
-        while last:
-            show("client", last.pop())
-
-    try:
+    with Session(folder) as session:
         for name, command in behind.items():
-            heard = functools.partial(show, name.strip("-"))
-            started.append(Program(command, folder=folder, heard=heard))
-            server = [*server, name, ready(started[-1])["endpoint"]]
-        heard = functools.partial(show, "server")
-        started.append(Program(server, folder=folder, heard=heard))
+            server = [*server, name, ready(session.start(name.strip("-"), command))["endpoint"]]
+        serving = session.start("server", server)
         if not client:
-            return wait(started[-1].process, "server")
+            return wait(serving.process, "server")
         # The name of an endpoint is the name of the client's option, and of the script's field in Unity.
-        addresses = ready(started[-1])
+        addresses = ready(serving)
         if tap:
-            words = [*tap, *(f"{name}={address}" for name, address in addresses.items())]
-            started.append(watched := Program(words, folder=folder, heard=functools.partial(show, "tap")))
+            watched = session.start("tap", [*tap, *(f"{name}={address}" for name, address in addresses.items())])
             addresses = ready(watched, "tap")
             open_page(watched)
-        for name, address in addresses.items():
-            client = [*client, f"--{name}", address]
         for number, other in enumerate(others, start=2):
             # The first client is the one that is asked for.
             name = Path(other[1]).stem
-            heard = functools.partial(show, f"{name} {number}" if name == "client" else name)
-            words = [*other, "--endpoint", addresses["endpoint"]]
-            started.append(Program(words, folder=folder, heard=heard))
+            name = f"{name} {number}" if name == "client" else name
+            session.start(name, [*other, "--endpoint", addresses["endpoint"]])
+        words = [word for name, address in addresses.items() for word in (f"--{name}", address)]
         # Its keyboard is the terminal's: lesson 08 is driven by it.
-        started.append(Program(client, folder=folder, stdin=None, heard=hear_client))
-        code = wait(started[-1].process, "client")
+        session.code = wait(session.start("client", [*client, *words], stdin=None).process, "client")
         if tap:
-            show_last()
+            session.show_last()
             say("the page stays until Ctrl-C")
             wait(watched.process, "tap")
-        return code
-    except KeyboardInterrupt:
-        # The terminal sends Ctrl-C to the programs too; they are given the time to end by themselves.
-        moment = MOMENT
-        return 130 if code is None else code
-    finally:
-        with uninterrupted():
-            # The last one was waited for; of the others, whoever has ended by now may have been killed.
-            for program in started[:-1]:
-                if program.process.poll() is not None:
-                    wait(program.process, Path(program.command[1]).name)
-            for program in reversed(started):
-                program.end(moment)
-            show_last()
+    return session.code
 
 
 def ready(server: Program, name: str = "server") -> dict[str, str]:

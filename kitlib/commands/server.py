@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 from kitlib.commands.run import add_folder, behind, own_options, run, server_command
-from kitlib.imports import PACKAGE, PYTHON
+from kitlib.imports import IMPORT_NAME, PYTHON
 from kitlib.lessons import ROOT, UsageError, find, lessons
 from kitlib.programs import run_in_terminal
 from kitlib.reload import run_reloading
@@ -41,7 +41,9 @@ def do(options: argparse.Namespace) -> int:
     if options.reload:
         where = ["--folder", str(options.folder)] if options.folder else []
         again = [sys.executable, str(ROOT / "kit.py"), "server", lesson.key, *where, "--", *options.words]
-        return run_reloading(again, [lesson.python, *(other.python for _, other in lesson.behind), PYTHON / PACKAGE])
+        return run_reloading(
+            again, [lesson.python, *(other.python for _, other in lesson.behind), PYTHON / IMPORT_NAME]
+        )
     python = python_setup.interpreter(lesson.key)
     if any("0.0.0.0" in word for word in options.words):
         say(f"0.0.0.0 stands for every network that this machine is in; other machines connect to {address()}")
@@ -59,7 +61,7 @@ def own(program: Path, options: argparse.Namespace) -> int:
     python = python_setup.interpreter(key if key in {lesson.key for lesson in lessons()} else lessons()[0].key)
     command = [str(python), str(program), *options.words]
     if options.reload:
-        folders = [program.parent, *(folder / PACKAGE for folder in program.parents[:2])]
+        folders = [program.parent, *(folder / IMPORT_NAME for folder in program.parents[:2])]
         return run_reloading(command, [folder for folder in folders if folder.is_dir()])
     return run_in_terminal(command, Path.cwd())
 

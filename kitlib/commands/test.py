@@ -67,14 +67,14 @@ def check_paths(words: list[str]) -> None:
 
 
 def optional(lesson: Lesson | None) -> tuple[str, ...]:
-    """What the tests use where it is there: those of one lesson what the lessons up to it need, on which it builds."""
+    """The extras that the tests use where they are there. A lesson builds on all before it, and so do its tests."""
     if not lesson:
         return tuple(python_setup.tests_extras())
     return ("tests-more", *(each.key for each in lessons() if each.number <= lesson.number))
 
 
 def of_a_lesson(lesson: Lesson, more: list[str]) -> list[str]:
-    """What has the lesson's name: its own tests, and its cases of the contract."""
+    """Pytest's words for the tests with the lesson's name: its own, and its cases of the contract."""
     own = f"test_{lesson.number:02}_"
     # The other lessons' tests are not even read: they may need packages that this one does not.
     others = [path for path in ROOT.glob("tests/*/test_[0-9]*.py") if not path.name.startswith(own)]
@@ -87,7 +87,7 @@ def of_a_lesson(lesson: Lesson, more: list[str]) -> list[str]:
 
 
 def side_by_side(python: Path, words: list[str]) -> list[str]:
-    """What makes pytest use the whole machine. Most tests wait for something: four for each core do well."""
+    """The words with which pytest uses the whole machine. Most tests wait for something: four for each core do well."""
     alone = any(re.match(r"-n|--dist|--co$|--collect-only|--pdb|-s$", word) for word in words)
     if alone or not python_setup.has(python, ["pytest-xdist"]):
         return []

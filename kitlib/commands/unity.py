@@ -34,8 +34,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def do(options: argparse.Namespace) -> int:
-    if options.package:
-        write_package(options.package, options.lesson, options.force, options.scripts_only, options.dlls)
-        return 0
-    install(options.project, options.lesson, options.force, options.scripts_only, options.dlls)
+    write, where = (write_package, options.package) if options.package else (install, options.project)
+    write(where, options.lesson, options.force, options.scripts_only, options.dlls)
     return 0

@@ -75,7 +75,7 @@ def blocks(page: Path, text: str | None = None) -> Iterator[Block]:
 
 
 def as_block(page: Path, text: str, found: re.Match[str]) -> Block:
-    """What BLOCK found in a page."""
+    """A block of a page, as BLOCK has found it."""
     kind, _, source = (found["mark"] or "").partition(":")
     line = text.count("\n", 0, found.start()) + 1
     return Block(page, line, kind.strip(), source.strip(), found["language"], found["body"])
@@ -140,7 +140,7 @@ def run_command(source: str) -> list[str | Path]:
 
 @functools.cache
 def printed(source: str) -> tuple[str, ...]:
-    """What `kit.py run SOURCE` prints, with the ports that the lesson has by default."""
+    """The lines that `kit.py run SOURCE` prints, with the ports that the lesson has by default."""
     result = quietly(run_command(source), LIMIT, {"PYTHONUNBUFFERED": "1"}, ROOT)
     if result.code not in (0, 1):
         raise KitError(f"`kit.py run {source}` ended with {result.code}; it printed {result.output}")
@@ -156,7 +156,7 @@ def with_own_ports(output: str, source: str) -> str:
 
 
 def said(lines: Sequence[str], side: str) -> list[str]:
-    """What one side printed, without its prefix; the author's `...` stands for lines of both."""
+    """The lines of one side, without its prefix; the author's `...` stands for lines of both."""
     return [re.sub(rf"^{side} \| ?", "", line) for line in lines if line == "..." or line.startswith(f"{side} |")]
 
 
@@ -245,7 +245,7 @@ def main() -> None:
         bodies |= {"run": ran, "like": ran}
     by_hand = []
     for page in [path.resolve() for path in options.pages] or pages():
-        # What earlier runs have left goes, such as lesson 02's journal, so that a page begins at 0.
+        # The files of earlier runs go, such as lesson 02's journal, so that a page begins at 0.
         folder.cache_clear()
         rewrite(page, bodies)
         by_hand += [block for block in blocks(page) if block.kind == "by hand"]

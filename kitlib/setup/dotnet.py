@@ -14,18 +14,17 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from kitlib import lessons
-from kitlib.lessons import KIT, PACKAGE, PACKAGES, ROOT, KitError, denied, keep, read_json, unwritable, writable
+from kitlib.lessons import BUILD, KIT, PACKAGE, PACKAGES, ROOT, KitError, denied, keep, read_json, unwritable, writable
 from kitlib.programs import Result, quietly, step
 from kitlib.setup.lock import locked
 from kitlib.terminal import say
 
-BUILD = ROOT / ".build"
 CONSOLE = ROOT / "csharp-console"
 SUPPORT = ROOT / "csharp-support"
 OWN_SCRIPTS = CONSOLE / "own-scripts"
-# What csharp-support builds, and every other project refers to.
+# csharp-support builds these, and every other project refers to them.
 LIBRARIES = ("NetMQExample", "UnityPlayer")
-# Who builds or restores holds it: all projects share what stands in .build.
+# A build and a restore hold it: all projects share what stands in .build.
 LOCK = BUILD / "lock"
 INSTALLER = "https://dotnet.microsoft.com/download"
 DOWNLOAD = f"no .NET SDK 8 or later here: get it from {INSTALLER}; just installed: open a new terminal"
@@ -39,8 +38,8 @@ ENVIRONMENT = {
     "NUGET_ENHANCED_MAX_NETWORK_TRY_COUNT": "2",
     "NUGET_ENHANCED_NETWORK_RETRY_DELAY_MILLISECONDS": "200",
 }
-# MSBuild takes every variable for a property, such as VERSION or OutDir, and an empty one for none. What the system and
-# .NET themselves need has one of these names, or an underscore.
+# MSBuild takes every variable for a property, such as VERSION or OutDir, and an empty one for none. The variables that
+# the system and .NET themselves need have one of these names, or an underscore.
 OF_THE_SYSTEM = (
     r"PATH|PATHEXT|HOME\w*|USER\w*|LOGNAME|PUBLIC|TMPDIR|TMP|TEMP|LANG|LANGUAGE|TZ|TERM|SHELL|COMSPEC|OS|WINDIR|SYSTEM\w+"
     r"|APPDATA|LOCALAPPDATA|ALLUSERSPROFILE|(COMMON)?PROGRAM\w+(\(X86\))?|COMPUTERNAME|PSMODULEPATH|\w*_\w*"
@@ -49,12 +48,17 @@ ENVIRONMENT = {name: "" for name in os.environ if not re.fullmatch(OF_THE_SYSTEM
 # In a container HOME may be / or nothing: what dotnet and NuGet keep goes into .build then.
 if not lessons.WINDOWS and not os.access(os.environ.get("HOME", ""), os.W_OK):
     ENVIRONMENT["HOME"] = str(BUILD)
-# What NuGet says when it does not hold a package, or not this version of it, or cannot be reached at all.
+# NuGet says these when it does not hold a package, or not this version of it, or cannot be reached at all.
 ABSENT = ("NU1101", "NU1102", "NU1103")
 UNREACHABLE = ("NU1301", "NU1801")
 NO_SOURCE = "dotnet nuget add source https://api.nuget.org/v3/index.json -n nuget.org"
 # In the lines in which dotnet says what is wrong, during a build and before there is one.
 ERRORS = (" error ", "Requested SDK", "not found", "not be found", "Couldn't", "No usable", "ailed")
+NO_FAULT_OF_THE_CODE = {
+    "No space left|not enough space": "the disk is full: the C# build needs some 50 MB in .build",
+    "MSB3021|MSB3027": "the C# build cannot replace a file that is in use: end the client that still runs",
+    "error NU1301": "the C# build needs NuGet, which cannot be reached: try again with internet",
+}
 # The first restore on a Windows machine has to wait for the virus scanner.
 TIMEOUT = 180 if lessons.WINDOWS else 60
 # Where the installers put dotnet: a terminal that was open before does not have it on its PATH yet.
@@ -212,13 +216,13 @@ def build(
     if not writable(BUILD):
         raise KitError(unwritable(BUILD))
     with locked(LOCK):
-        # Who held the lock before may have built the same.
+        # The one that held the lock before may have built the same.
         if fresh():
             return dll
         # Without a stamp the last build was interrupted, and MSBuild takes even an empty file for finished.
         again = [] if stamp.exists() else ["--no-incremental", "--force"]
         stamp.unlink(missing_ok=True)
-        # What a reader's scripts refer to was built with the console, a moment ago.
+        # A reader's scripts refer to what was built with the console, a moment ago.
         no_references = ["-p:BuildProjectReferences=false"] if own else []
         words = [*netmq.properties, *again, *no_references, "-v:quiet", "-clp:NoSummary"]
         # MSBuild takes a variable for a property; on its command line a semicolon would end it.
@@ -269,12 +273,9 @@ def failure(result: Result) -> str:
     """Why a build has failed: in one line where it is not the code."""
     if why := denied(result.output):
         return f"the C# build failed: {why}"
-    if any(words in result.output for words in ("No space left", "not enough space")):
-        return "the disk is full: the C# build needs some 50 MB in .build"
-    if "MSB3021" in result.output or "MSB3027" in result.output:
-        return "the C# build cannot replace a file that is in use: end the client that still runs"
-    if "error NU1301" in result.output:
-        return "the C# build needs NuGet, which cannot be reached: try again with internet"
+    for pattern, why in NO_FAULT_OF_THE_CODE.items():
+        if re.search(pattern, result.output):
+            return why
     if "error CS" not in result.output:
         return f"the C# build failed ({result.first(*ERRORS)}); delete the folder {BUILD} and try again"
     cure = f"fix it; if nobody has changed a file, delete the folder {BUILD}"

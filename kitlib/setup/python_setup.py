@@ -14,16 +14,16 @@ import shutil
 import sys
 import tomllib
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from kitlib import imports
-from kitlib.lessons import KIT, PACKAGES, ROOT, KitError, Lesson, denied, keep, read_json, unwritable, writable
+from kitlib.lessons import BUILD, KIT, PACKAGES, ROOT, KitError, Lesson, denied, keep, read_json, unwritable, writable
 from kitlib.programs import Result, quietly, step
 from kitlib.terminal import command, say
 
 VENV = ROOT / ".venv"
-BUILD = ROOT / ".build"
 CHOICE = BUILD / "python.json"
 # This system, as `kit.py pack` calls it.
 HERE = {"win32": "windows", "darwin": "macos"}.get(sys.platform, "linux")
@@ -31,33 +31,24 @@ HERE = {"win32": "windows", "darwin": "macos"}.get(sys.platform, "linux")
 IMPORTS = {
     "pytest-xdist": "xdist",
     "pyzmq": "zmq",
-    "pytest-timeout": "pytest_timeout",
     "pillow": "PIL",
     "pyyaml": "yaml",
     "grpcio": "grpc",
     "python-socketio": "socketio",
 }
-# What pip says where no index answers, or does not hold a package.
+# Pip says these where no index answers, or does not hold a package.
 NOTHING = ("Could not find a version", "No matching distribution", "Max retries")
-# What nobody gets unasked: it is large, not there for every system, and a lesson does most of its work without it.
+# Nobody gets these unasked: each is large, not there for every system, and of use to a part of a lesson alone.
 LARGE = ("body", "ray", "sb3")
 # Settings of a user's for pip that would fill another folder, or none. To pip an empty one is not there.
-ELSEWHERE = {"PIP_USER": "0", "PIP_DRY_RUN": "0", "PIP_REQUIRE_HASHES": "0"}
-ELSEWHERE |= dict.fromkeys(("PIP_TARGET", "PIP_PREFIX", "PIP_ROOT", "PIP_PYTHON"), "")
-# The distribution's package, where it is not simply python3- and the name on PyPI.
-DEBIAN = {
-    "pyzmq": "python3-zmq",
-    "pillow": "python3-pil",
-    "pyyaml": "python3-yaml",
-    "python-socketio": "python3-socketio",
-}
+ELSEWHERE = dict.fromkeys(("PIP_TARGET", "PIP_PREFIX", "PIP_ROOT", "PIP_PYTHON"), "")
+ELSEWHERE |= dict.fromkeys(("PIP_USER", "PIP_DRY_RUN", "PIP_REQUIRE_HASHES"), "0")
 
 
 @functools.cache
 def project() -> dict[str, Any]:
-    """What pyproject.toml says of the package."""
-    found: dict[str, Any] = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    return found
+    """The package, as pyproject.toml has it."""
+    return dict(tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"])
 
 
 def needs(*names: str) -> list[str]:
@@ -70,26 +61,24 @@ def needs(*names: str) -> list[str]:
 
 
 def of_lesson(lesson: Lesson) -> list[str]:
-    """What the programs that `kit.py run` starts import beyond the core, but for what only a part of them uses."""
+    """The packages beyond the core that the programs of `kit.py run` import, but for those of only a part of them."""
     programs = ["server.py", "client.py", *(words[0] for words in lesson.also)]
     large = [need for needs in large_extras(lesson).values() for need in needs]
     return [need for need in imported(lesson.python / program for program in programs) if need not in large]
 
 
 def large_extras(lesson: Lesson) -> dict[str, list[str]]:
-    """What a part of the lesson's programs imports of the extras that nobody gets unasked."""
+    """The extras that nobody gets unasked, as far as a part of the lesson's programs imports them."""
     wanted = imported(sorted(lesson.python.glob("*.py")))
-    own = {extra: [need for need in needs(extra) if need not in needs(*tests_extras())] for extra in LARGE}
-    return {
-        extra: found for extra, all_of_it in own.items() if (found := [need for need in all_of_it if need in wanted])
-    }
+    others = needs(*tests_extras())
+    own = {extra: [need for need in needs(extra) if need in wanted and need not in others] for extra in LARGE}
+    return {extra: found for extra, found in own.items() if found}
 
 
 def imported(files: Iterable[Path]) -> list[str]:
-    """What pyproject.toml asks of the packages beyond the core that these files need, in the order it has there."""
+    """The requirements beyond the core that these files have, in pyproject.toml's words and order."""
     names = imports.packages(files)
-    core = needs()
-    return [need for need in needs(*all_extras()) if need not in core and module(name(need)) in names]
+    return [need for need in needs(*all_extras()) if need not in needs() and module(name(need)) in names]
 
 
 def module(package: str) -> str:
@@ -103,13 +92,13 @@ def all_extras() -> list[str]:
 
 
 def tests_extras() -> list[str]:
-    """What the whole of the tests can use; `style` is for tests/house alone."""
+    """All that the tests can use; `style` is for tests/house alone."""
     return [extra for extra in all_extras() if extra not in (*LARGE, "style")]
 
 
 def name(requirement: str) -> str:
     """`pyzmq` of `pyzmq>=24`."""
-    return requirement.split(">")[0].split("=")[0].split("<")[0].split(";")[0].strip().lower()
+    return re.split("[>=<;]", requirement)[0].strip().lower()
 
 
 # Run by the interpreter in question: which of the packages it lacks. One that cannot be imported is not there, whatever
@@ -166,26 +155,27 @@ def not_found(python: Path, packages: list[str]) -> list[str]:
 
 
 def requirement(package: str) -> str:
-    """What pyproject.toml asks of a package, such as `websockets>=13`."""
+    """A package in pyproject.toml's words, such as `websockets>=13`."""
     return next((need for need in needs(*all_extras()) if name(need) == package), package)
 
 
 def interpreter(*extras: str, optional: tuple[str, ...] = ()) -> Path:
     """The interpreter to run the lessons with; sets it up if need be. `optional` extras are nice to have."""
     required, wanted = needs(*extras), needs(*extras, *optional)
-    key = hashlib.sha256(json.dumps([wanted, sys.version, pip_environment()]).encode()).hexdigest()
-    known = remembered(key)
-    if known and has(known, required):
-        return chosen(known)
-    python = from_pip(required, wanted) or from_this_python(required)
-    if python is None:
+    # A change of a user's settings for pip is a reason to ask again.
+    settings = sorted(f"{key}={value}" for key, value in os.environ.items() if key.startswith("PIP_"))
+    key = hashlib.sha256(json.dumps([wanted, sys.version, settings]).encode()).hexdigest()
+    known = read_json(CHOICE).get(key)
+    if isinstance(known, str) and os.path.exists(known) and has(known, required):
+        return chosen(Path(known))
+    if not (python := from_pip(required, wanted) or from_this_python(required)):
         raise KitError(nowhere([name(need) for need in required]))
     keep(CHOICE, json.dumps({**read_json(CHOICE), key: str(python)}))
     return chosen(python)
 
 
 def nowhere(names: list[str]) -> str:
-    """What to run where no interpreter has these packages and pip cannot fetch them."""
+    """The cure where no interpreter has these packages and pip cannot fetch them."""
     cure = command(sys.executable, "-m", "pip", "install", *names)
     if any(PACKAGES.glob("*.whl")):
         mine = f"--system {HERE} --python {sys.version_info[0]}.{sys.version_info[1]}"
@@ -193,7 +183,8 @@ def nowhere(names: list[str]) -> str:
         if not any(quietly([sys.executable, "-m", pip, "--version"], limit=60).ok for pip in ("pip", "ensurepip")):
             return f"{sys.executable} has no pip: with internet install it (Debian, Ubuntu: python3-venv)"
     elif shutil.which("apt-get") and sys.executable.startswith("/usr/bin/"):
-        packages = [DEBIAN.get(each, f"python3-{each}") for each in names]
+        # Debian names a package after the module.
+        packages = [f"python3-{module(each).lower().replace('_', '-')}" for each in names]
         there = all(quietly(["apt-cache", "show", package], limit=60).ok for package in packages)
         # With the other one, .venv can be filled: the distribution has no Gymnasium, for example.
         cure = f"sudo apt install {' '.join(packages) if there else 'python3-venv, and then this again'}"
@@ -205,17 +196,6 @@ def found(*extras: str) -> Path | None:
     known = [path for path in read_json(CHOICE).values() if isinstance(path, str)]
     near = map(Path, [str(venv_python()), *reversed(known), sys.executable])
     return next((chosen(python) for python in near if os.path.exists(python) and has(python, needs(*extras))), None)
-
-
-def pip_environment() -> list[str]:
-    """The settings a user may have made for pip: a change of them is a reason to ask again."""
-    return sorted(f"{key}={value}" for key, value in os.environ.items() if key.startswith("PIP_"))
-
-
-def remembered(key: str) -> Path | None:
-    """What an earlier run with the same needs has settled on."""
-    python = read_json(CHOICE).get(key)
-    return Path(python) if isinstance(python, str) and os.path.exists(python) else None
 
 
 def venv_python() -> Path:
@@ -241,7 +221,9 @@ def from_pip(required: list[str], wanted: list[str]) -> Path | None:
         if result.ok and has(python, requirements):
             return python
         if any(words in result.output for words in NOTHING):
-            say(f"pip did not get all of it from {index(python)}")
+            index = setting(python, "no-index", "index-url") or "https://pypi.org/simple"
+            # A password may stand in it.
+            say(f"pip did not get all of it from {re.sub('//[^/]*@', '//', index)}")
         elif why := denied(result.output):
             say(why)
         elif not result.ok:
@@ -267,9 +249,9 @@ def install(python: Path, requirements: list[str]) -> Result:
     command = [*pip, "install", "--quiet", "--disable-pip-version-check", *limits, *requirements]
     what = f"installing {', '.join(map(name, requirements))} into .venv"
     if any(PACKAGES.glob("*.whl")):
-        result = step(f"{what} from packages", [*command, "--no-index", "--find-links", PACKAGES], 600, ELSEWHERE)
-        if result.ok:
-            return result
+        brought = step(f"{what} from packages", [*command, "--no-index", "--find-links", PACKAGES], 600, ELSEWHERE)
+        if brought.ok:
+            return brought
     return step(what, command, 600, ELSEWHERE)
 
 
@@ -278,12 +260,6 @@ def setting(python: Path, *names: str) -> str | None:
     said = quietly([*alone(python), "-m", "pip", "config", "list"], 60, ELSEWHERE).output
     found = re.search(rf"^\S+\.((?:{'|'.join(names)})=(?!'').+)", said, re.MULTILINE)
     return found[1] if found else None
-
-
-def index(python: Path) -> str:
-    """Where pip looks for packages, without the password that may stand in it."""
-    chosen = setting(python, "no-index", "index-url") or "https://pypi.org/simple"
-    return re.sub("//[^/]*@", "//", chosen)
 
 
 def make_venv() -> bool:
@@ -295,7 +271,7 @@ def make_venv() -> bool:
         return False
     result = Result(0, "")
     for option in ([], ["--without-pip"]):
-        # What a failed try leaves behind would look like an environment to the next.
+        # The leavings of a failed try would look like an environment to the next.
         shutil.rmtree(VENV, ignore_errors=True)
         if HERE == "linux" and not links_can_be_made():
             # Of all that is a link in an environment, only this one cannot be a copy. It may be there already.
@@ -312,17 +288,16 @@ def make_venv() -> bool:
 def links_can_be_made() -> bool:
     """Not on a stick, in a shared folder or on many a network's drive."""
     link = BUILD / f"link.{os.getpid()}"
-    try:
+    with suppress(OSError):
         link.symlink_to("nowhere")
         link.unlink()
-    except OSError:
-        return False
-    return True
+        return True
+    return False
 
 
 def from_this_python(required: list[str]) -> Path | None:
     """The one that runs kit.py, if it has the packages."""
-    if not has(sys.executable, required):
-        return None
-    say(f"using {sys.executable}, which has {', '.join(map(name, required))}")
-    return Path(sys.executable)
+    if has(sys.executable, required):
+        say(f"using {sys.executable}, which has {', '.join(map(name, required))}")
+        return Path(sys.executable)
+    return None

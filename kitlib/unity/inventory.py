@@ -1,4 +1,4 @@
-"""What a Unity project has already of what the kit would bring: by whichever route it came, and for whom."""
+"""The libraries that a Unity project has already: by whichever route they came, and for whom."""
 
 from __future__ import annotations
 
@@ -124,7 +124,7 @@ def package_name(folder: Path) -> str:
 
 
 def by_name(root: Path, packages: dict[str, str]) -> Iterator[Copy]:
-    """What packages bring that are named, whether Unity and NuGetForUnity have fetched them or will."""
+    """The DLLs of the packages that are named, whether Unity and NuGetForUnity have fetched them or will."""
     ours = re.sub(r"\.(\d+)$", r"-\1", NETMQ)
     for name in [name for name in BRINGS if name in packages]:
         version = packages[name] if re.fullmatch(r"[\d.]+(-\d+)?", packages[name]) else ""

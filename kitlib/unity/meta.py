@@ -1,4 +1,4 @@
-"""What Unity wants beside the scripts: a .meta file for each file and folder, and a scene for each lesson.
+"""Unity wants more than the scripts: a .meta file for each file and folder, and a scene for each lesson.
 
     python3 -m kitlib.unity.meta      writes what is missing; run it after adding a lesson
 
@@ -8,6 +8,7 @@ scene may have been edited in Unity.
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import re
 import sys
@@ -16,7 +17,7 @@ from pathlib import Path
 from kitlib.lessons import PACKAGE, ROOT
 
 EXAMPLE = PACKAGE / "03_publish_subscribe" / "03_publish_subscribe.unity"
-# What stays out of Unity and of the repository: names that Unity ignores, and the DLLs that kit.py unity copies.
+# These stay out of Unity and of the repository: names that Unity ignores, and the DLLs that kit.py unity copies.
 IGNORED = re.compile(r"^\.|~$|\.meta$|^Plugins$")
 
 
@@ -50,16 +51,29 @@ def assets() -> list[Path]:
     return found
 
 
-# For scenes of one's own: no lesson's scene has them, and the player (Scripts.cs) leaves them out.
+# For scenes of your own: no lesson's scene has it, and the player (Scripts.cs) leaves it out. No source says so.
 SPARE = {"RaySensor"}
+
+
+@functools.cache
+def bases() -> dict[str, tuple[str, str]]:
+    """The words before each class of the package that has a base, and that base."""
+    declared = r"^    public ((?:\w+ )*)class (\w+)(?:<\w+>)? : (\w+)"
+    text = "\n".join(path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.cs"))
+    return {name: (words, base) for words, name, base in re.findall(declared, text, re.MULTILINE)}
 
 
 def behaviours(folder: Path) -> list[Path]:
     """The scripts of a lesson's game object: Unity wants the class named like its file."""
-    bases = r"(?:Mono|Network|Connected|Driven|SideChannel|Stepped)Behaviour|Python(?:Environment|Agents)|Agent"
-    pattern = rf"^\s*public (?:sealed )?class {{}} : (?:{bases}|SensorComponent)\b"
-    scripts = [path for path in sorted(folder.glob("*.cs")) if path.stem not in SPARE]
-    return [p for p in scripts if re.search(pattern.format(p.stem), p.read_text(encoding="utf-8"), re.MULTILINE)]
+    return [path for path in sorted(folder.glob("*.cs")) if path.stem not in SPARE and is_component(path.stem)]
+
+
+def is_component(name: str) -> bool:
+    """Whether Unity can add it to an object: by its bases it is a MonoBehaviour, and it is not abstract."""
+    words, base = bases().get(name, ("abstract", ""))
+    while base in bases():
+        base = bases()[base][1]
+    return base == "MonoBehaviour" and "abstract" not in words
 
 
 def scene(scripts: list[Path]) -> str:

@@ -9,14 +9,16 @@ from __future__ import annotations
 import gzip
 import io
 import json
-import os
 import re
 import tarfile
 from pathlib import Path
 
+from kitlib.files import put
 from kitlib.lessons import KitError
 from kitlib.terminal import say
-from kitlib.unity.install import ALONE, libraries, notices, replace, scripts, unitys_packages
+from kitlib.unity.install import ALONE
+from kitlib.unity.libraries import libraries, notices
+from kitlib.unity.scripts import scripts, unitys_packages
 
 # In this entry Unity's own tools write the packages that an import adds to the project's manifest.
 MANIFEST = "packagemanagermanifest/asset"
@@ -31,13 +33,7 @@ def write_package(path: Path, lesson: str | None, force: bool, scripts_only: boo
     files = {**scripts(lesson), **notices(), **({} if scripts_only else libraries(dlls))}
     found = entries(files)
     path.parent.mkdir(parents=True, exist_ok=True)
-    # Beside it, and so on the same disk: an interrupted run leaves no half.
-    new = path.with_name(f"{path.name}.{os.getpid()}")
-    try:
-        new.write_bytes(packed(found))
-        replace(new, path)
-    finally:
-        new.unlink(missing_ok=True)
+    put(path, packed(found))
     count = sum(name.endswith("/asset") and name != MANIFEST for name in found)
     say(f"wrote {path}: {count} files, {path.stat().st_size / 1e6:.1f} MB")
     if scripts_only:
@@ -46,7 +42,7 @@ def write_package(path: Path, lesson: str | None, force: bool, scripts_only: boo
 
 
 def entries(files: dict[str, bytes]) -> dict[str, bytes]:
-    """What the tar holds, of the files of a project and their .meta files."""
+    """The entries of the tar, made of the files of a project and their .meta files."""
     found: dict[str, bytes] = {}
     for name in sorted(files):
         if not name.endswith(".meta"):

@@ -7,38 +7,23 @@ import functools
 import hashlib
 import itertools
 import re
+import tomllib
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from kitlib.lessons import KIT, PACKAGE, ROOT, lessons
-from kitlib.setup.dotnet import BUILD, SUPPORT, compiler_errors
+from kitlib.lessons import BUILD, KIT, PACKAGE, ROOT, lessons
+from kitlib.setup.dotnet import SUPPORT, compiler_errors
 from kitlib.terminal import command
-from kitlib.unity.install import code, of_lesson, types, uses
 from kitlib.unity.project import find_project
+from kitlib.unity.scripts import code, of_lesson, types, uses
 
 NAMESPACE = "NetMQExample"
 STAND_INS = SUPPORT / "unity-player" / "UnityEngine"
-# Names of others, of which a page has ours.
-MOVED = {
-    "from_gymize.md": "Gymize NumSharp NDArray ToArray GetSingle Image CompressionType GetName "
-    "ActuatorComponent GymRenderRecorder",
-    "from_ml_agents.md": "MLAgents VectorSensor CollectObservations ActionBuffers ActionSegment OnActionReceived "
-    "OnEpisodeBegin EndEpisode EpisodeInterrupted MaxStep DecisionRequester BehaviorParameters",
-    "from_hello_requester.md": "NetMQContext CreateRequestSocket CreateSubscriberSocket",
-}
+NAMES = tomllib.loads(Path(__file__).with_name("names.toml").read_text(encoding="utf-8"))
+MOVED: dict[str, str] = NAMES["moved"]
+USINGS: dict[str, str] = NAMES["usings"]
 # Of these words, which others use as well: they count only beside one that nobody else has.
 EVERYBODYS = {"ToArray", "GetSingle", "Image", "GetName", "MaxStep"}
-# What is forgotten most often.
-USINGS = {
-    "System": "Action Func Exception Serializable DateTime Math",
-    "System.Collections.Concurrent": "ConcurrentQueue ConcurrentDictionary",
-    "System.Collections.Generic": "List Dictionary Queue HashSet Stack IEnumerable",
-    "System.IO": "File Path StreamReader StreamWriter",
-    "System.Threading": "Thread CancellationToken CancellationTokenSource",
-    "System.Threading.Tasks": "Task",
-    "TMPro": "TMP_Text TextMeshPro TextMeshProUGUI TMP_InputField",
-    "UnityEngine.UI": "Button Image InputField RawImage Slider Text Toggle",
-}
 CHANGED = "the player uses your copy of a kit's file only if you name it here, with each that uses its classes"
 # The compiler's words for a type, a name or a namespace that is nowhere, and for a member that a type does not have.
 NOWHERE = r"error CS(?:0246|0103|0234): \D*?'(?=\w+' does not exist in the namespace '([\w.]+)'|)(\w+)[<,>]*'"
@@ -123,7 +108,7 @@ def lacking_of_the_kit(errors: list[str], own: Sequence[Path], theirs: Sequence[
 
 
 def kits_names() -> set[str]:
-    """What of the kit a script can name."""
+    """The kit's names, which a script can use."""
     return {NAMESPACE, *(name for path in PACKAGE.glob("[0-9S]*/*.cs") for name in types(path))}
 
 

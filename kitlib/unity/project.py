@@ -46,7 +46,7 @@ def has_scripts(root: Path) -> str:
 
 
 def scripts_of_the_kit(script: Path) -> list[Path] | None:
-    """What the Unity project of a script has of the kit's; None: it lies in none, or all of the package is there."""
+    """The kit's scripts in the Unity project of a script; None: it lies in none, or all of the package is there."""
     try:
         root = find_project(script)
     except KitError:
@@ -106,7 +106,7 @@ def check_foreign(root: Path, files: dict[str, bytes]) -> None:
 
 
 def advice(root: Path) -> Iterator[str]:
-    """What in the project keeps the scripts from compiling, or may do so."""
+    """The reasons in the project for which the scripts do not compile, or may not."""
     for path in imported(root / "Assets", "System.ServiceModel.Primitives.asmdef"):
         yield f"delete {path.relative_to(root).as_posix()}: Unity refuses this name, and then compiles no script at all"
     settings = root / "ProjectSettings" / "ProjectSettings.asset"

@@ -28,7 +28,7 @@ with importing("gymnasium and pettingzoo; kit.py run 10 installs them"):
     import gymnasium
     from players import Crowd, Game, areas
 
-    import netmq_example.envs  # noqa: F401, it registers the vector environment.
+    import netmq_example.envs.vector_env  # noqa: F401, it registers the vector environment.
     from netmq_example.envs import ZmqParallelEnv
     from netmq_example.messages import LIMIT, MessageError
 

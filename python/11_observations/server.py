@@ -24,7 +24,7 @@ with importing("gymnasium; kit.py run 11 installs it"):
     import gymnasium
     from collector import ACTION, play, seen_space
 
-    import netmq_example.envs  # noqa: F401, it registers the environment.
+    import netmq_example.envs.unity_env  # noqa: F401, it registers the environment.
     from netmq_example.messages import LIMIT, MessageError
 
 EPISODES = 10

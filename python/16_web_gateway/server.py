@@ -10,7 +10,6 @@ no text, is answered with a binary one: each frame behind its length, 4 bytes, l
 topic, ["pose/"], and answers with the newest message; [] is: nothing new yet, ask again.
 Socket.IO, at its usual path: emit(NAME, ...frames, callback), and the callback gets the frames of the answer.
 Trouble on command: Ctrl-C, here or in a server behind, and a new start: the page says so, and goes on.
-Started behind it: --hello 01_request_reply --background 04_background_client --poses 03_publish_subscribe
 """
 
 import argparse
@@ -31,6 +30,8 @@ with importing("aiohttp and python-socketio; kit.py run 16 installs them"):
     from netmq_example.web.browser_socket import BrowserSocket, Listener, Requester, for_browsers
     from netmq_example.web.door import Door
 
+# By kit.py run: the servers of these lessons stand behind it, each named by the option that says where it listens.
+RUN = {"scheme": "http", "behind": {"--hello": 1, "--background": 4, "--poses": 3}}
 # Your own servers go here. A browser asks for a name: it must never choose an address of the network behind.
 SERVERS = {"hello": "tcp://127.0.0.1:5551", "background": "tcp://127.0.0.1:5554"}
 PUBLISHERS = {"poses": "tcp://127.0.0.1:5553", "pictures": "tcp://127.0.0.1:5555"}

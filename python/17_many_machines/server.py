@@ -10,10 +10,6 @@ From other machines, with lesson 15's keys; client.py --endpoint beacon://hub:55
 A simulator without work is sent home 15 seconds after the last trainer has left; see --idle.
 Bytes: messages of lesson 05; simulators speak as in lesson 09, trainers as in 10: see netmq_example/fleet/hub.py.
 Trouble on command: client.py --crash-after 200, --delay 8, --build 2; or Ctrl-Z, or pull the cable.
-kit.py run also starts these, so that there are three simulators and one of them dies:
-    Also started: client.py
-    Also started: client.py --crash-after 200
-    Also started: train.py --areas 2 --episodes 100
 """
 
 import sys
@@ -29,6 +25,9 @@ from netmq_example.fleet.hub import Hub
 from netmq_example.messages import LIMIT
 from netmq_example.program import Context, Socket, listening, run, server_options
 from netmq_example.security.allow_list import keys_for
+
+# By kit.py run: with these there are three simulators, one of which dies, and a trainer.
+RUN = {"also": ["client.py", "client.py --crash-after 200", "train.py --areas 2 --episodes 100"]}
 
 
 def main() -> None:

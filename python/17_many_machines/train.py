@@ -22,7 +22,7 @@ with importing("gymnasium; kit.py run 17 installs it", stopped="stopped"):
     import gymnasium
     import numpy as np
 
-    import netmq_example.envs  # noqa: F401, it registers the vector environments.
+    import netmq_example.envs.vector_env  # noqa: F401, it registers the vector environments.
     from netmq_example.fleet.trainer import FleetSocket
     from netmq_example.messages import MessageError
 

@@ -1,4 +1,4 @@
-"""Whatever others call `tree` or `messages`, and whichever older copy of the package is there, no program takes it."""
+"""No program takes a `tree` or `messages` of somebody else's for the kit's, nor an older copy of the package."""
 
 import json
 import os
@@ -51,7 +51,7 @@ print(json.dumps(outcomes))
 
 
 def outcomes(folder, root=ROOT / "python", **environment):
-    """What came of each program and module of that root, from this folder."""
+    """The end of each program and module of that root, started in this folder."""
     (folder / "each.py").write_text(EACH, encoding="utf-8")
     done = finished([PYTHON, "each.py", root], cwd=folder, env={**os.environ, **environment})
     assert done.returncode == 0, done.stderr

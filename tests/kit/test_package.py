@@ -87,7 +87,7 @@ def test_a_gymnasium_environment_needs_no_import_of_the_package(elsewhere, tmp_p
 
 
 def test_an_extra_is_what_the_modules_of_its_name_import():
-    """So netmq_example.envs needs netmq-example[envs]. What a webcam needs is imported when it is used."""
+    """So netmq_example.envs needs netmq-example[envs]. A webcam's packages are imported when they are used."""
     folders = [extra for extra in python_setup.all_extras() if (PACKAGE / extra).is_dir()]
     assert {"camera", "envs", "video", "web"} < set(folders)
     for extra in folders:
@@ -151,7 +151,7 @@ def test_every_package_that_is_imported_is_in_pyproject_toml():
         (16, ["aiohttp", "python-socketio"]),
         # One of its programs is for Ray, which `kit.py run` does not start.
         (17, ["numpy", "gymnasium"]),
-        # What finds persons before a webcam is one of its server's two sources.
+        # Finding persons before a webcam is one of its server's two sources.
         (20, []),
     ],
 )

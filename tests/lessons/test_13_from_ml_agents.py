@@ -11,7 +11,7 @@ import uuid
 import pytest
 
 from kitlib.lessons import find
-from kitlib.unity.install import code, of_lesson, with_used
+from kitlib.unity.scripts import code, of_lesson, with_used
 from tests.conftest import PYTHON
 from tests.programs import LIMIT, ROOT, steady_port
 

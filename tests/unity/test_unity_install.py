@@ -10,14 +10,16 @@ from pathlib import Path
 
 import pytest
 
-from kitlib import terminal
+from kitlib import files, terminal
 from kitlib.docs import guide
 from kitlib.lessons import PACKAGE, ROOT, KitError, lessons
 from kitlib.programs import Result
 from kitlib.setup import dotnet, python_setup
 from kitlib.unity import install as unity_install
+from kitlib.unity import libraries
 from kitlib.unity.inventory import LIBRARIES
 from kitlib.unity.player import why
+from kitlib.unity.scripts import scripts as copied_scripts
 
 TARGET = "Assets/NetMQExample"
 
@@ -143,7 +145,7 @@ def test_the_page_shows_what_is_printed(project, nuget, tmp_path, monkeypatch, c
     page = ROOT / "docs" / "guide" / "unity_project.md"
     (shown,) = [block.body for block in guide.blocks(page) if "test_the_page_shows_what_is_printed" in block.source]
     kit = tmp_path / "KIT"
-    licences = unity_install.notices()
+    licences = libraries.notices()
     monkeypatch.setattr(unity_install, "ROOT", kit)
     monkeypatch.setattr(unity_install, "notices", lambda: licences)
     unity_install.install(project, "4", False)
@@ -199,7 +201,7 @@ def test_one_lesson_takes_only_what_it_uses():
     )
     for lesson in (lesson for lesson in lessons() if lesson.unity.is_dir()):
         key = lesson.key
-        names = [*unity_install.scripts(key[:2])]
+        names = [*copied_scripts(key[:2])]
         copied = {Path(name).name for name in names if name.endswith(".cs")}
         assert copied >= {path.name for path in (PACKAGE / key).glob("*.cs")}
         # What runs in a browser as well knows nothing of NetMQ, and has its JavaScript and an assembly of its own.
@@ -420,7 +422,7 @@ def test_a_link_that_leads_nowhere_and_a_folder_are_no_dlls(project, nuget):
     (project / "Assets" / "Plugins" / "AsyncIO.dll").mkdir(parents=True)
     (project / "Assets" / "Plugins" / "NetMQ.dll").symlink_to("nowhere")
     unity_install.install(project, "1", False)
-    assert {"NetMQ.dll", "AsyncIO.dll"} <= {path.name for path in (project / unity_install.PLUGINS).iterdir()}
+    assert {"NetMQ.dll", "AsyncIO.dll"} <= {path.name for path in (project / libraries.PLUGINS).iterdir()}
 
 
 OLD_LIST = '<packages><package version="4.0.0.1" id="NetMQ" /></packages>'
@@ -569,7 +571,7 @@ def test_what_an_older_kit_wrote_and_this_one_has_not_is_deleted(project, nuget,
     ):
         (project / TARGET / name).parent.mkdir(exist_ok=True)
         (project / TARGET / name).write_bytes(name.encode())
-        known[f"{TARGET}/{name}"] = unity_install.digest(name.encode())
+        known[f"{TARGET}/{name}"] = files.digest(name.encode())
     known |= dict.fromkeys(outside, known[outside[0]])
     record.write_text(json.dumps(known))
     (project / TARGET / "Shared" / "Renamed.cs").write_text("// mine")
@@ -754,7 +756,7 @@ def test_without_nuget_nothing_is_copied(sdk, why, project, tmp_path, monkeypatc
     monkeypatch.setattr(dotnet, "sdk", lambda: sdk)
     monkeypatch.setattr(dotnet, "restore", lambda netmq: Result(1, "error NU1301: no such host"))
     # A port where nobody listens.
-    monkeypatch.setattr(unity_install, "NUGET", "http://127.0.0.1:9")
+    monkeypatch.setattr(libraries, "NUGET", "http://127.0.0.1:9")
     with refused(project, why):
         unity_install.install(project, None, False)
 
@@ -763,7 +765,7 @@ def test_downloads_without_an_sdk(project, nuget, tmp_path, monkeypatch):
     fill(tmp_path / "feed", "MZ downloaded")
     monkeypatch.setenv("NUGET_PACKAGES", str(tmp_path / "empty"))
     monkeypatch.setattr(dotnet, "sdk", lambda: None)
-    monkeypatch.setattr(unity_install, "NUGET", (tmp_path / "feed").as_uri())
+    monkeypatch.setattr(libraries, "NUGET", (tmp_path / "feed").as_uri())
     unity_install.install(project, "1", False)
     assert (project / TARGET / "Plugins" / "AsyncIO.dll").read_bytes() == b"MZ downloaded AsyncIO"
 

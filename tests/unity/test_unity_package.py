@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from kitlib import files
 from kitlib.lessons import KitError
 from kitlib.programs import Result
 from kitlib.setup import dotnet
@@ -131,7 +132,7 @@ def test_an_interrupted_run_leaves_nothing(tmp_path, monkeypatch):
     def full(*paths):
         raise OSError("no space left")
 
-    monkeypatch.setattr(package, "replace", full)
+    monkeypatch.setattr(files, "replace", full)
     with pytest.raises(OSError, match="no space left"):
         package.write_package(tmp_path / "Kit.unitypackage", "1", False, True, None)
     assert list(tmp_path.iterdir()) == []

@@ -16,8 +16,7 @@ import pytest
 
 from kitlib.docs import guide
 from kitlib.lessons import PACKAGE
-from kitlib.unity import install as unity_install
-from kitlib.unity import modules
+from kitlib.unity import modules, scripts
 from kitlib.unity.inventory import LIBRARIES, NETMQ
 from kitlib.unity.meta import assets, behaviours, guid, meta_of, own_guid, scene
 from tests.programs import ROOT, finished
@@ -44,7 +43,7 @@ def relative(path):
 
 @functools.cache
 def copied(lesson=None):
-    return {name: data.decode("utf-8") for name, data in unity_install.scripts(lesson).items()}
+    return {name: data.decode("utf-8") for name, data in scripts.scripts(lesson).items()}
 
 
 def documents(text):
@@ -496,7 +495,7 @@ def test_the_manifest_gets_netmq_from_a_scoped_registry():
     assert all(any(name.startswith(f"{scope}.") for scope in scopes) for name in outside)
     lessons = (ROOT / "csharp-support" / "lessons" / "NetMQExample.csproj").read_text(encoding="utf-8")
     assert 'Include="Newtonsoft.Json" Version="13.' in lessons
-    assert manifest["dependencies"][unity_install.JSON[0]] == unity_install.JSON[1]
+    assert manifest["dependencies"][scripts.JSON[0]] == scripts.JSON[1]
     # UnityNuGet writes the fourth number of a version behind a hyphen.
     assert manifest["dependencies"]["org.nuget.netmq"].replace("-", ".") == NETMQ
 

@@ -19,7 +19,7 @@ from tests.conftest import PYTHON
 from tests.programs import LIMIT, ROOT, finds_processes
 
 pytest.importorskip("aiohttp", reason="the tap needs aiohttp: pip install aiohttp")
-from netmq_example.tap.arrows import BEGIN, END, HTML, Arrows, recording
+from netmq_example.tap.arrows import BEGIN, END, Arrows, recording
 from netmq_example.tap.page import Page
 from netmq_example.tap.passing import Trouble
 from tests.lessons.test_16_web_gateway_tap import tapped
@@ -315,20 +315,6 @@ def test_a_recording_that_holds_nothing_says_so(tmp_path, open_page):
         seen.wait_for("document.querySelector('#state').innerText === 'no recording'")
         assert "This file holds no messages" in seen.text("#empty"), damage
         assert seen.errors == []
-
-
-def test_the_kept_page_is_as_it_is_now_and_plays_both_recordings(open_page):
-    path = ROOT / "img" / "16_watched.html"
-    text = path.read_text(encoding="utf-8")
-    again = "python3 -m kitlib.docs.tap_recordings records it again"
-    other = re.escape(BEGIN.replace("recording", "lesson_08"))
-    page = re.sub(rf"{re.escape(BEGIN)}\S+{END}{other}\S+{END}", BEGIN + END, text)
-    assert page == HTML.read_text(encoding="utf-8"), again
-    for name, title in (("", "Lesson 02: lazy pirate"), ("#lesson_08", "Lesson 08: see and steer")):
-        seen = open_page(path.as_uri() + name)
-        seen.wait_for("!!document.querySelector('#rows .arrow')")
-        assert seen.text("h1") == title
-        assert seen.errors == seen.said == []
 
 
 @finds_processes

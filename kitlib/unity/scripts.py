@@ -1,0 +1,93 @@
+"""The scripts that a lesson needs, by the classes that they name."""
+
+from __future__ import annotations
+
+import functools
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+from kitlib.lessons import PACKAGE, KitError, Lesson, find
+from kitlib.unity.inventory import TARGET
+from kitlib.unity.meta import assets, meta_of
+from kitlib.unity.modules import VERSION, needed
+
+# Unity's own package of Newtonsoft.Json, with which lessons 04 and 05 read JSON.
+JSON = ("com.unity.nuget.newtonsoft-json", "3.2.1")
+
+
+def scripts(lesson: str | None) -> dict[str, bytes]:
+    """The files to copy, with their .meta: all of the package, or what one lesson needs."""
+    chosen = assets() if lesson is None else of_lesson(find(lesson).unity)
+    found: dict[str, bytes] = {}
+    for path in chosen:
+        name = f"{TARGET}/{path.relative_to(PACKAGE).as_posix()}".removesuffix("/.")
+        if path.is_file():
+            found[name] = path.read_bytes()
+        if meta_of(path).exists():
+            found[f"{name}.meta"] = meta_of(path).read_bytes()
+    return found
+
+
+def of_lesson(folder: Path) -> list[Path]:
+    """A lesson's scripts, the earlier scripts that they use, and what IL2CPP must know."""
+    if not folder.is_dir():
+        raise KitError(f"lesson {folder.name} has no Unity scripts: is the kit whole?")
+    chosen = with_used(sorted(folder.glob("*.cs")), folder.name, code)
+    # The browser's half of a script, and the assembly of scripts that know nothing of NetMQ.
+    chosen += [path for script in chosen if (path := script.with_suffix(".jslib")).exists()]
+    folders = sorted({path.parent for path in chosen})
+    chosen += [path for folder in folders if folder.name[:1].isdigit() for path in folder.glob("*.asmdef")]
+    # With an assembly of their own: that is what a game's other assemblies can refer to, and what WebGL leaves out.
+    # One without scripts is left out: Unity would warn of it at each compilation.
+    inner = {path.parent for path in chosen if path.suffix == ".asmdef"}
+    if not {path.parent for path in chosen if path.suffix == ".cs"} <= inner:
+        chosen.append(PACKAGE / "NetMQExample.asmdef")
+    return [PACKAGE, *folders, *chosen, PACKAGE / "link.xml"]
+
+
+def without_unity(lesson: Lesson) -> list[Path]:
+    """Those of a lesson's scripts that need .NET alone, and the earlier ones that they and its terminal client use."""
+    scripts = [path for path in sorted(lesson.unity.glob("*.cs")) if plain_code(path).strip()]
+    plain = [path for path in scripts if "UnityEngine" not in plain_code(path)]
+    return [path for path in with_used([lesson.console, *plain], lesson.key, plain_code) if path != lesson.console]
+
+
+def with_used(scripts: list[Path], key: str, read: Callable[[Path], str]) -> list[Path]:
+    """These scripts, and those of Shared and of lessons before this one that they use."""
+    others = [path for path in sorted(PACKAGE.glob("[0-9][0-9]_*/*.cs")) if path.parent.name < key]
+    others += sorted(PACKAGE.glob("Shared/*.cs"))
+    chosen = list(scripts)
+    for path in chosen:  # It grows meanwhile: what is used may use others.
+        text = read(path)
+        chosen += [other for other in others if other not in chosen and any(uses(text, name) for name in types(other))]
+    return chosen
+
+
+def code(script: Path) -> str:
+    """A script as the compiler sees it in Unity."""
+    return re.sub(r"//.*", "", script.read_text(encoding="utf-8", errors="replace"))
+
+
+def plain_code(script: Path) -> str:
+    """A script as the compiler sees it without Unity."""
+    return re.sub(r"#if UNITY_.*?#endif", "", code(script), flags=re.DOTALL)
+
+
+@functools.cache
+def types(script: Path) -> list[str]:
+    """The types that a script has for others: PoseSubscriber.cs has PoseMessage as well."""
+    declared = r"^    (?:public|internal) [\w ]*\b(?:class|struct|interface|enum) (\w+)"
+    return re.findall(declared, script.read_text(encoding="utf-8-sig", errors="replace"), re.MULTILINE)
+
+
+def uses(code: str, name: str) -> bool:
+    """True if the code names this class: `e.Message` does not name the class Message."""
+    return re.search(rf"(?<![\w.]){name}\b", code) is not None
+
+
+def unitys_packages(files: dict[str, bytes]) -> dict[str, str]:
+    """Unity's own packages that the scripts among these files need, with their versions."""
+    texts = [data.decode("utf-8-sig", "replace") for name, data in files.items() if name.endswith(".cs")]
+    json_package = dict([JSON]) if any("using Newtonsoft.Json" in text for text in texts) else {}
+    return {**json_package, **dict.fromkeys(sorted(needed(texts)), VERSION)}
