@@ -122,20 +122,20 @@ def test_a_picture_is_played_when_it_is_due():
 
 
 HEADER = ",".join(people.HEADER) + "\n"
-
-
-NO_RECORDINGS = [
+WRONG_ROWS = [
+    "0.0,0,1",
+    "0.0,1" + ",1" * 132,
+    *(row + ",1" * 131 for row in ("x,0,1", "0.0,0,nan", "inf,0,1", "0.0,0,1e300")),
+]
+NO_RECORDINGS: list[tuple[bytes | None, str]] = [
     (None, "cannot read 'mine.csv': .*No such file"),
     (b"\xff\xfe", "cannot read 'mine.csv': .*decode"),
-    (b"", "'mine.csv' is no recording: it must begin with the line seconds,person,x0,y0,z0,v0"),
-    (b"a,b\n1,2\n", "'mine.csv' is no recording"),
+    (b"a,b\n1,2\n", "'mine.csv' is no recording: it must begin with the line seconds,person,x0,y0,z0,v0"),
     (HEADER.encode(), "'mine.csv' is a recording of nothing: below its first line there is no person"),
-    ((HEADER + "0.0,0,1\n").encode(), "line 2 of the recording must be seconds, person 0 and 132 numbers"),
-    ((HEADER + "0.0,1" + ",1" * 132 + "\n").encode(), "line 2 of the recording must be seconds, person 0"),
-    ((HEADER + "x,0" + ",1" * 132 + "\n").encode(), "line 2 of the recording"),
-    ((HEADER + "0.0,0" + ",nan" * 132 + "\n").encode(), "line 2 of the recording"),
-    ((HEADER + "inf,0" + ",1" * 132 + "\n").encode(), "line 2 of the recording"),
-    ((HEADER + "0.0,0" + ",1e300" * 132 + "\n").encode(), "line 2 of the recording"),
+    *(
+        (f"{HEADER}{row}\n".encode(), "line 2 of the recording must be seconds, person 0 and 132 n")
+        for row in WRONG_ROWS
+    ),
 ]
 
 
@@ -155,17 +155,12 @@ def test_what_is_no_recording_is_said_in_one_line(runs, tmp_path):
         assert "Traceback" not in str(run.lines)
 
 
-def test_who_has_no_line_in_a_picture_is_not_there(tmp_path):
-    one, two = ("".join(f"0.0,{person}" + ",0.5" * 132 + "\n" for person in persons) for persons in ([0], [0, 1]))
-    (tmp_path / "mine.csv").write_text(HEADER + two + one.replace("0.0,", "0.5,", 1))
-    assert [[len(body) for body in there] for _, there in people.read(tmp_path / "mine.csv")] == [[33, 33], [33, 0]]
-
-
 def test_a_recording_that_excel_has_saved_is_read(tmp_path):
-    """It puts a byte order mark in front, and writes CR LF."""
-    row = "0.0,0" + ",0.5" * 132 + "\n"
-    (tmp_path / "mine.csv").write_bytes((HEADER + row).replace("\n", "\r\n").encode("utf-8-sig"))
-    assert people.read(tmp_path / "mine.csv") == [(0.0, [[(0.5,) * 4] * 33])]
+    """It puts a byte order mark in front, and writes CR LF; a person without a line in a picture is not there."""
+    rows = [f"{when},{person}" + ",0.5" * 132 + "\n" for when, person in ((0.0, 0), (0.0, 1), (0.5, 0))]
+    (tmp_path / "mine.csv").write_bytes((HEADER + "".join(rows)).replace("\n", "\r\n").encode("utf-8-sig"))
+    body = [(0.5,) * 4] * 33
+    assert people.read(tmp_path / "mine.csv") == [(0.0, [body, body]), (0.5, [body, []])]
 
 
 # A server that goes, and one that the test decides for
@@ -410,7 +405,7 @@ def test_a_film_is_watched_to_its_end_and_a_stream_as_long_as_it_lasts(webcam, s
 
 
 def test_a_newcomer_takes_nobodys_place():
-    """Whom MediaPipe lists first, and close to where the other one stands."""
+    """MediaPipe lists the newcomer first, and it stands close to the other one."""
     marks = {x: [SimpleNamespace(x=x, y=0.5, z=0.0, visibility=0.9) for _ in range(33)] for x in (0.2, 0.4)}
     listed = SimpleNamespace(pose_landmarks=[marks[0.4], marks[0.2]], pose_world_landmarks=[marks[0.4], marks[0.2]])
     people, places = camera.in_order(listed, [(0.2, 0.5), None])
@@ -502,21 +497,6 @@ def test_without_a_webcam_or_a_model_it_says_what_is_wrong(webcam):
             says(pattern)
 
 
-def test_the_real_mediapipe_takes_what_camera_gives_it(tmp_path):
-    """Nobody stands in the dark; and its own errors are lines."""
-    mediapipe = pytest.importorskip("mediapipe", reason="the real MediaPipe is not here: pip install mediapipe")
-    np = pytest.importorskip("numpy", reason="needs numpy: pip install numpy")
-    (tmp_path / "half.task").write_bytes(b"PK\3\4 half a download")
-    with pytest.raises(people.SourceError, match=r"^MediaPipe does not take the model 'half.task': "):
-        camera.landmarker(mediapipe, "Pose", tmp_path / "half.task", num_poses=1)
-    model = ROOT / "pose_landmarker_lite.task"
-    if not model.is_file():
-        pytest.skip(f"a model is not here: download one to {model}")
-    dark = mediapipe.Image(image_format=mediapipe.ImageFormat.SRGB, data=np.zeros((240, 320, 3), np.uint8))
-    with camera.landmarker(mediapipe, "Pose", model, num_poses=2) as bodies:
-        assert camera.in_order(bodies.detect_for_video(dark, 0), [None, None]) == ([[], []], [None, None])
-
-
 def test_a_server_listens_when_there_is_somebody_to_see(webcam, start):
     """And that there is no webcam is said before MediaPipe, with all its noise, is started."""
     words = [PYTHON, LESSON / "server.py", "--endpoint", "tcp://127.0.0.1:0", "--model", webcam / "model.task"]
@@ -542,48 +522,39 @@ def test_a_landmark_without_a_place_is_named_and_never_written(tmp_path):
             people.write(tmp_path / "mine.csv", [(0.0, [body])])
 
 
-# What a method cannot use
+# The methods' own refusals
 
 NAN = float("nan")
-POSE = body_listener.parse(message(1, WALK[0][1][0]))
-NOBODY = body_listener.parse(message(1, []))
 
 
-def listener(socket=None, endpoint="tcp://127.0.0.1:1", topic="pose/0/", timeout=1.0):
-    """Waits for a pose on a socket of its own, unless it is given one."""
-    with zmq.Context() as context, context.socket(zmq.SUB) as own:
-        own.linger = 0
-        return body_listener.BodyListener(endpoint, topic, socket=own if socket is None else socket).receive(timeout)
-
-
-WRONG = {
-    "socket": [lambda value: listener(socket=value), 0, "", zmq.SUB],
-    "endpoint": [lambda value: listener(endpoint=value), None, 0, "", "tcp://127.0.0.1:99999"],
-    "topic": [lambda value: listener(topic=value), None, 0, "", "pose/0", "pose/-1/"],
-    "timeout": [lambda value: listener(timeout=value), 0, -1, NAN, ""],
-    "a": [lambda value: POSE.angle(value, 1, 2), None, -1, NAN, "", 33],
-    "a ": [lambda value: NOBODY.angle(value, 1, 2), 0],
-    "c": [lambda value: POSE.angle(0, 1, value), None, 33],
-    "message": [body_listener.parse, None, 0, b"pose"],
-    "path": [people.read, None, 0, NAN],
-    "path ": [lambda value: people.write(value, []), None, 0, NAN],
-    "seconds": [lambda value: people.write("never.csv", [(value, [])]), None, NAN, ""],
-    "landmarks": [lambda value: people.write("never.csv", [(0.0, [value])]), [(0.0,) * 4], [(0.0,) * 4] * 21],
-    "pictures": [lambda value: next(people.play(value)), None, 0, "", []],
-    "device": [lambda value: next(camera.watch(value, "m.task", 1)), None, -1, NAN, ""],
-    "model": [lambda value: next(camera.watch(0, value, 1)), None, 0],
-    "persons": [lambda value: next(camera.watch(0, "m.task", value)), None, 0, -1, NAN, ""],
-    "hands": [lambda value: next(camera.watch(0, "m.task", 1, value)), 0, NAN],
-}
-
-
-@pytest.mark.parametrize(
-    ("name", "call", "value"),
-    [(name, call, value) for name, (call, *values) in WRONG.items() for value in values],
-    ids=lambda value: None if callable(value) else f"{value!r:.20}",
-)
-def test_what_a_method_cannot_use_is_named(name, call, value, monkeypatch, tmp_path):
+def test_what_a_method_cannot_use_is_named(context, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
-    with pytest.raises((ValueError, TypeError), match=rf"\b{name.strip()}\b") as caught:
-        call(value)
-    assert "\n" not in str(caught.value)
+    pose, nobody = (body_listener.parse(message(1, body)) for body in (WALK[0][1][0], []))
+
+    def listener(endpoint="tcp://127.0.0.1:1", topic="pose/0/", timeout=1.0, **how):
+        with body_listener.BodyListener(endpoint, topic, **how) as listener:
+            listener.receive(timeout)
+
+    for name, call, *values in [
+        ("socket", lambda value: listener(socket=value), 0, zmq.SUB),
+        ("endpoint", listener, None, "tcp://127.0.0.1:99999"),
+        ("topic", lambda value: listener(topic=value), None, "pose/0", "pose/-1/"),
+        ("timeout", lambda value: listener(timeout=value), 0, NAN),
+        ("a", lambda value: pose.angle(value, 1, 2), None, -1, NAN, 33),
+        ("a", lambda value: nobody.angle(value, 1, 2), 0),
+        ("c", lambda value: pose.angle(0, 1, value), None, 33),
+        ("message", body_listener.parse, None, b"pose"),
+        ("path", people.read, None),
+        ("path", lambda value: people.write(value, []), None),
+        ("seconds", lambda value: people.write("never.csv", [(value, [])]), None, NAN),
+        ("landmarks", lambda value: people.write("never.csv", [(0.0, [value])]), [(0.0,) * 4], [(0.0,) * 4] * 21),
+        ("pictures", lambda value: next(people.play(value)), None, []),
+        ("device", lambda value: next(camera.watch(value, "m.task", 1)), None, -1, NAN, ""),
+        ("model", lambda value: next(camera.watch(0, value, 1)), None),
+        ("persons", lambda value: next(camera.watch(0, "m.task", value)), None, 0),
+        ("hands", lambda value: next(camera.watch(0, "m.task", 1, value)), 0),
+    ]:
+        for value in values:
+            with pytest.raises((ValueError, TypeError), match=rf"\b{name}\b") as caught:
+                call(value)
+            assert "\n" not in str(caught.value)
