@@ -26,7 +26,7 @@ NAKED_SERVER, NAKED_CLIENT = FIRST[:2]
 OWN = "tcp://127.0.0.1:5551"
 # The component for whoever comes from HelloRequester.cs, and a part of it that goes on after a restart.
 HELLO, AGAIN = (block.body for block in CSHARP if "test_the_way_from_the_old_hello" in block.source)
-# What stands round a fragment: the names that it may use besides its own.
+# The surroundings of a fragment: the names that it may use besides its own.
 SURROUNDINGS = """
 using System; using System.Collections.Generic; using System.Linq; using System.Threading; using System.Threading.Tasks;
 using NetMQ; using NetMQ.Sockets; using NetMQExample; using UnityEngine;

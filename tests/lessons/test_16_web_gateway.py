@@ -538,7 +538,7 @@ def test_nothing_is_left_of_a_browser_that_has_gone(socketio_too, gateway):
 
 
 NOBODY = "behind the gateway there are hello, background, poses, pictures, no {!r}"
-# What a browser sends by Socket.IO, and the answer to an event with a number.
+# Packets of a browser by Socket.IO, and the answer to an event with a number.
 EVENTS = [
     *((f"42{event}", None) for event in ('["connect",{}]', '["connect"]', '["connect",1,2,3]')),
     *((f'42[{name},"Hello"]', None) for name in ('{"a":1}', '["a"]', '"*"')),
