@@ -250,34 +250,19 @@ def test_who_does_not_ask_again_is_told_nothing_more(work, tmp_path, monkeypatch
         assert [client for client, _ in jobs.turn()][:1] == [b"another"]
 
 
+GOAL = {"job": "a", "kind": "count", "count": 1}
+WRONG_GOALS: list[dict[str, object]] = [
+    *({"job": job} for job in (7, "x" * 65, "../x")),
+    *({"count": count} for count in ("1", True, 0, 2**52)),
+    *({"text": text} for text in (7, "x" * 1001)),
+    {"kind": "Step"},
+    {"kind": "picture", "count": 201},
+]
 HOSTILE = [
-    [b""],
-    [b"{}"],
-    [b"goal", b"{}"],
-    [b"\xff" * 100],
-    [b"[" * 60_000],
-    *(
-        Message(kind, values=values).frames()
-        for kind, values in [
-            ("goal", {}),
-            ("goal", {"job": 7}),
-            ("goal", {"job": "x" * 65, "kind": "count", "count": 1}),
-            ("goal", {"job": "../x", "kind": "count", "count": 1}),
-            ("goal", {"job": "a", "kind": "count"}),
-            ("goal", {"job": "a", "kind": "count", "count": "1"}),
-            ("goal", {"job": "a", "kind": "count", "count": True}),
-            ("goal", {"job": "a", "kind": "count", "count": 0}),
-            ("goal", {"job": "a", "kind": "count", "count": 2**52}),
-            ("goal", {"job": "a", "kind": "Step", "count": 1}),
-            ("goal", {"job": "a", "kind": "picture", "count": 201}),
-            ("goal", {"job": "a", "kind": "count", "count": 1, "text": 7}),
-            ("goal", {"job": "a", "kind": "count", "count": 1, "text": "x" * 1001}),
-            ("eat", {"job": "a"}),
-            ("status", {"job": "a"}),
-            ("cancel", {"job": "a"}),
-            ("forget", {"job": "a"}),
-        ]
-    ),
+    *([b""], [b"{}"], [b"goal", b"{}"], [b"\xff" * 100], [b"[" * 60_000]),
+    *(Message("goal", values=values).frames() for values in ({}, {"job": "a", "kind": "count"})),
+    *(Message("goal", values={**GOAL, **wrong}).frames() for wrong in WRONG_GOALS),
+    *(Message(kind, values={"job": "a"}).frames() for kind in ("eat", "status", "cancel", "forget")),
 ]
 
 

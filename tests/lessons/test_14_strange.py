@@ -212,14 +212,7 @@ def test_a_clock_that_is_set_forgets_no_job_and_a_day_that_passes_does(tmp_path,
 
 def test_a_server_says_in_one_line_what_it_cannot_use(runs, tmp_path):
     mine = str(tmp_path / "mine.sqlite3")
-    wrong = [
-        ("--grace", "nan"),
-        ("--grace", "inf"),
-        ("--grace", "-1"),
-        ("--crash-on", "-3"),
-        ("--workers", "1000000000"),
-        ("--queue", "0.5"),
-    ]
+    wrong = [("--grace", "nan"), ("--grace", "inf"), ("--crash-on", "-3"), ("--workers", "1000000000")]
     others = {"notes (text)": tmp_path / "other", "jobs (id, salary)": tmp_path / "same_name"}
     for table, path in others.items():
         with closing(sqlite3.connect(path)) as other, other:

@@ -4,14 +4,12 @@ the wire shows, and a gate under strain."""
 from __future__ import annotations
 
 import contextlib
-import importlib.util
 import os
 import re
 import shutil
 import socket
 import sys
 import tempfile
-import threading
 import time
 from pathlib import Path
 
@@ -427,12 +425,16 @@ def test_a_file_that_holds_no_key_of_a_clients_is_not_read(side, folder, runs):
 
 
 @pytest.fixture
-def gate(folder, start, context):
-    """gate(): the program and its endpoint, and the server behind it."""
+def gate(request, folder, start, context):
+    """The program and its endpoint, and the server behind it. A test may say how many clients are the most."""
+    most = getattr(request, "param", 500)
     with context.socket(zmq.ROUTER) as behind:
         behind.linger = 0
         inside = f"tcp://127.0.0.1:{behind.bind_to_random_port('tcp://127.0.0.1')}"
-        program = start(PYTHON, FOLDER / "gate.py", "--to", inside, "--endpoint", "tcp://127.0.0.1:0", "--keys", folder)
+        script = f"import gate; gate.MOST_CLIENTS = {most}; gate.run(gate.main)"
+        words = ["--to", inside, "--endpoint", "tcp://127.0.0.1:0", "--keys", folder]
+        path = os.pathsep.join([str(FOLDER), str(ROOT / "python")])
+        program = start(PYTHON, "-c", script, *words, PYTHONPATH=path)
         yield program, program.wait_for(r"^listening on (\S+)")[1], behind
 
 
@@ -478,45 +480,23 @@ def test_who_is_revoked_hears_no_more_of_what_was_asked_before(gate, folder, con
     assert not alice.poll(200)
 
 
-def test_with_too_many_clients_the_one_that_was_silent_longest_is_disconnected(folder, connect, context, monkeypatch):
-    spec = importlib.util.spec_from_file_location("gate_15", FOLDER / "gate.py")
-    gate = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(gate)
-    monkeypatch.setattr(gate, "MOST_CLIENTS", 2)
-    inner = zmq.Context()
-    with contextlib.ExitStack() as stack, context.socket(zmq.ROUTER) as behind:
-        behind.linger = 0
-        # It ends the gate, on whose thread its sockets are closed.
-        stack.callback(inner.term)
-        door = inner.socket(zmq.ROUTER)
-        allowed = AllowList(folder)
-        allowed.answer(inner)
-        allowed.guard(door)
-        endpoint = f"tcp://127.0.0.1:{door.bind_to_random_port('tcp://127.0.0.1')}"
-        inside = f"tcp://127.0.0.1:{behind.bind_to_random_port('tcp://127.0.0.1')}"
-        passes = gate.Gate(inner, door, inside, allowed)
-
-        def run():
-            with contextlib.suppress(zmq.ContextTerminated):
-                passes.pass_on()
-            for socket in (door, *(socket for socket, _ in passes.inside.values())):
-                socket.close(0)
-
-        threading.Thread(target=run, daemon=True).start()
-        first, second, third = (connect(endpoint, None, zmq.DEALER) for _ in range(3))
-        places = []
-        for asker in (first, second, first, third):
-            asker.send(b"hello")
-            places.append(heard(behind)[0])
-        assert places[0] == places[2] and len({*places}) == 3, "each has a connection, and keeps it"
-        for place in places[1:]:
-            behind.send_multipart([place, b"news"])
-        for asker in (first, third):
-            assert asker.poll(LIMIT * 1000) and asker.recv() == b"news"
-        assert not second.poll(200)
-        second.send(b"hello again")
-        place, text = heard(behind)
-        assert text == b"hello again" and place not in places
+@pytest.mark.parametrize("gate", [2], indirect=True)
+def test_with_too_many_clients_the_one_that_was_silent_longest_is_disconnected(gate, connect):
+    _, endpoint, behind = gate
+    first, second, third = (connect(endpoint, None, zmq.DEALER) for _ in range(3))
+    places = []
+    for asker in (first, second, first, third):
+        asker.send(b"hello")
+        places.append(heard(behind)[0])
+    assert places[0] == places[2] and len({*places}) == 3, "each has a connection, and keeps it"
+    for place in places[1:]:
+        behind.send_multipart([place, b"news"])
+    for asker in (first, third):
+        assert asker.poll(LIMIT * 1000) and asker.recv() == b"news"
+    assert not second.poll(200)
+    second.send(b"hello again")
+    place, text = heard(behind)
+    assert text == b"hello again" and place not in places
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no limit of open files for a program")

@@ -24,6 +24,7 @@ import zmq
 import zmq.asyncio
 
 from tests.conftest import CLIENTS, PYTHON
+from tests.lessons.conftest import answering
 from tests.programs import LIMIT, PATIENT, ROOT, Program, steady_endpoint
 
 aiohttp = pytest.importorskip("aiohttp", reason="lesson 16 needs aiohttp: kit.py run 16 installs it")
@@ -55,25 +56,12 @@ def by(kind, socketio_too):
 @pytest.fixture(scope="module")
 def echo():
     """A server behind the gateway that sends back what it gets, whatever it is; of Hello it makes World."""
-    context = zmq.Context()
-    socket = context.socket(zmq.REP)
-    socket.linger = 0
-    port = socket.bind_to_random_port("tcp://127.0.0.1")
 
-    def serve():
-        while True:
-            try:
-                frames = socket.recv_multipart()
-                socket.send_multipart([b"World"] if frames == [b"Hello"] else frames)
-            except zmq.ZMQError:
-                return socket.close()
+    def answer(frames):
+        return [b"World"] if frames == [b"Hello"] else frames
 
-    thread = threading.Thread(target=serve, daemon=True)
-    thread.start()
-    yield f"tcp://127.0.0.1:{port}"
-    # It ends the wait of the thread, which closes the socket.
-    context.term()
-    thread.join(LIMIT)
+    with zmq.Context() as context, answering(context, answer) as endpoint:
+        yield endpoint
 
 
 @contextlib.contextmanager

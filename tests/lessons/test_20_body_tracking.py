@@ -459,8 +459,6 @@ def test_a_hand_is_heard(kind, stage, listen):
 
 
 def test_without_a_webcam_or_a_model_it_says_what_is_wrong(webcam):
-    (webcam / "page.task").write_text("RuntimeError: Unable to open zip archive.", encoding="utf-8")
-
     def says(pattern, device=0, model="model.task", **more):
         with pytest.raises(people.SourceError, match=pattern):
             next(camera.watch(device, webcam / model, 2, **more))
@@ -468,28 +466,22 @@ def test_without_a_webcam_or_a_model_it_says_what_is_wrong(webcam):
     says("^webcam 7 gives no picture: is it plugged in, not in use elsewhere, and allowed in the .* settings[?]$", 7)
     says("^there is no model 'none.task': take one from https://", model="none.task")
     says("^there is no model 'none.task': take one from https://", hands=webcam / "none.task")
-    says(
-        "^MediaPipe does not take the model 'page.task': Unable to open zip archive.; take one from https://",
-        model="page.task",
-    )
-    for kind in ("FileNotFoundError", "KeyError", "ValueError", "OSError"):
-        (webcam / "bad.task").write_text(f"{kind}: no such\nfile in it" + "!" * 900, encoding="utf-8")
-        says(
-            "^MediaPipe does not take the model 'bad.task': .?no such.{,3}file in it!{100,150}; take one from https://",
-            model="bad.task",
-        )
     missing = "libEGL.so.1: cannot open shared object file: No such file or directory"
     cure = "; on Debian and Ubuntu: apt install libgl1 libegl1 libgles2 libglib2.0-0$"
-    (webcam / "bad.task").write_text(f"OSError: {missing}", encoding="utf-8")
-    says(f"does not take the model 'bad.task': {missing}{cure}", model="bad.task")
+    long, short = "no such\nfile in it" + "!" * 900, ".?no such.{,3}file in it!{100,150}; take one from https://"
+    for text, pattern in [
+        ("RuntimeError: Unable to open zip archive.", "Unable to open zip archive.; take one from https://"),
+        *((f"{kind}: {long}", short) for kind in ("FileNotFoundError", "KeyError", "ValueError", "OSError")),
+        (f"OSError: {missing}", missing + cure),
+    ]:
+        (webcam / "bad.task").write_text(text, encoding="utf-8")
+        says(f"^MediaPipe does not take the model 'bad.task': {pattern}", model="bad.task")
     for module in ("mediapipe", "cv2"):
+        absent = rf"^no {module}: \S+ -m pip install mediapipe; or leave out --camera$"
         for error, pattern in (
             (f"ImportError({missing!r})", f"^{module} does not start: {missing}{cure}"),
             (f"OSError({missing!r})", f"^{module} does not start: {missing}{cure}"),
-            (
-                "ModuleNotFoundError('not here', name=__name__)",
-                rf"^no {module}: \S+ -m pip install mediapipe; or leave out --camera$",
-            ),
+            ("ModuleNotFoundError('not here', name=__name__)", absent),
         ):
             (webcam / f"{module}.py").write_text(f"raise {error}  # {pattern}", encoding="utf-8")
             sys.modules.pop(module, None)

@@ -1,15 +1,10 @@
-"""Lesson 16 in a real browser: the gateway's page, pages of strangers, and the WebGL half of its C# client.
-
-And JavaScript's own Socket.IO client, run by node.
-"""
+"""Lesson 16 in a real browser: the gateway's page, pages of strangers, and the WebGL half of its C# client."""
 
 import base64
 import functools
 import http.server
 import json
 import re
-import shutil
-import subprocess
 
 import pytest
 import zmq
@@ -240,47 +235,3 @@ def test_a_webgl_build_compiles_without_netmq(netmq):
     built = dotnet.build(netmq, ROOT / "tests" / "web" / "webgl")
     assert b"KitWebOpen" in built.read_bytes() and b"BrowserConnection" in built.read_bytes()
     assert "NetMQ.dll" not in {path.name for path in built.parent.iterdir()}
-
-
-SOCKET_IO = """
-const { io } = require('socket.io-client');
-const [endpoint, token] = process.argv.slice(1);
-(async () => {
-    for (const transports of [['polling'], ['websocket'], ['polling', 'websocket']]) {
-        const socket = io(endpoint, { transports, auth: { token }, reconnection: false });
-        await new Promise((resolve, reject) => { socket.on('connect', resolve); socket.on('connect_error', reject); });
-        const ask = (...words) => socket.timeout(20000).emitWithAck(...words);
-        // emitWithAck gives the first frame only: the id.
-        const all = (...words) => new Promise(done => socket.emit(...words, (...frames) => done(frames)));
-        const ids = Array.from({ length: 20 }, (_, i) => `${transports} ${i}`);
-        const many = await Promise.all(ids.map(id => ask('background', id, 'hello')));
-        const whole = await all('background', 'id', 'hello');
-        const bytes = await all('background', Buffer.from([0xff]), 'hello');
-        console.log(JSON.stringify([await ask('hello', 'Hello'), new Set(many).size, whole, bytes.map(Buffer.isBuffer),
-            (await ask('poses', 'pose/')).slice(0, 5), await ask('hello', { no: 'text' })]));
-        socket.disconnect();
-    }
-})().catch(error => { console.log(String(error)); process.exit(1); });
-"""
-
-
-@pytest.fixture
-def node(start):
-    """Runs a script that may require socket.io-client."""
-    program = shutil.which("node")
-    if not program or subprocess.run([program, "-e", "require('socket.io-client')"], capture_output=True).returncode:
-        pytest.skip(
-            "no node, or no socket.io-client where it looks: npm install socket.io-client, NODE_PATH=…/node_modules"
-        )
-    return lambda script, *words: start(program, "-e", script, *words)
-
-
-def test_javascripts_own_socket_io_client(serve, node):
-    _, endpoint = serve(KEY, "--token", "secret", *PATIENT)
-    client = node(SOCKET_IO, endpoint, "secret")
-    assert client.wait() == 0, client.output
-    wanted = ["World", 20, ["id", "world"], [True, True], "pose/", {"error": "a frame is a text or bytes"}]
-    assert [json.loads(line) for line in client.lines] == [wanted] * 3
-    refused = node(SOCKET_IO, endpoint, "guessed")
-    assert refused.wait() == 1
-    assert refused.lines == ["Error: the token is missing or wrong; it is what the gateway was given as --token"]
