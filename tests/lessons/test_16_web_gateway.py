@@ -296,6 +296,14 @@ def test_a_timeout_holds_whatever_swallows_its_cancel():
     assert tries == 1
 
 
+def test_a_name_that_is_too_long_and_keys_that_are_none_are_named(runs, tmp_path):
+    long, none = runs(
+        "server", KEY, [["--endpoint", f"http://{'a' * 70}:0", "--token", "x"], ["--keys", str(tmp_path)]]
+    )
+    assert long.code == none.code == 2
+    assert "write it like http://127.0.0.1:5566" in long.lines[-1] and "keys.py makes keys" in none.lines[-1]
+
+
 def test_others_than_this_machine_need_a_token(start):
     with_token = start(PYTHON, FOLDER / "server.py", "--endpoint", "http://0.0.0.0:0", "--token", "secret")
     port = with_token.wait_for(r"^listening on http://0\.0\.0\.0:(\d+)$")[1]
