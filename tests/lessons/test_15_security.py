@@ -706,24 +706,3 @@ def test_what_cannot_be_is_named_at_once(folder, context):
         with pytest.raises((TypeError, ValueError), match=rf"^(bad )?{name}\b.*$"):
             attempt()
         assert sorted(folder.rglob("*")) == before
-
-
-def test_a_subscriber_in_csharp_hears_only_with_a_key(folder, start, client_command):
-    """Lesson 03's client as it is, with one option more; its PUB socket takes the keys itself."""
-    with zmq.Context() as servers, servers.socket(zmq.PUB) as publisher:
-        publisher.linger = 0
-        allowed = AllowList(folder)
-        allowed.answer(servers)
-        allowed.guard(publisher)
-        endpoint = f"tcp://127.0.0.1:{publisher.bind_to_random_port('tcp://127.0.0.1')}"
-        words = client_command("csharp", "03_publish_subscribe", endpoint, "--count", "3", "--every", "1", "--timeout")
-        stranger, alice = start(*words, "5"), start(*words, "25", "--with-keys", str(folder))
-        deadline, number = time.monotonic() + LIMIT, 0
-        while alice.process.poll() is None and time.monotonic() < deadline:
-            number += 1
-            publisher.send_string(f"pose/ {number} {time.time():.6f} 0.0 0.5 0.0")
-            time.sleep(0.01)
-        assert alice.wait() == 0, alice.output
-        assert len([line for line in alice.lines if line.startswith("received pose/ ")]) == 3
-        stranger.process.wait(LIMIT)
-        assert not [line for line in stranger.lines if line.startswith("received")], stranger.output
