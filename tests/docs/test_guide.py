@@ -93,8 +93,8 @@ def typed():
                 yield block, "file", words[1].removeprefix("python/"), words[2:]
             else:
                 assert words[:5] == ["dotnet", "run", "--project", "csharp-console", "--"], (block.where, line)
-                given = [word for word in words[5:] if word != "--unity"]
-                yield block, "unity" if "--unity" in words else "csharp", find(given[0]).key, given[1:]
+                number, *options = [word for word in words[5:] if word != "--unity"]
+                yield block, "unity" if "--unity" in words else "csharp", find(number).key, options
 
 
 def test_every_command_is_understood(run):

@@ -16,6 +16,7 @@ from collections import Counter
 from contextlib import closing
 from itertools import accumulate
 from pathlib import Path
+from typing import Any
 
 import pytest
 import zmq
@@ -251,7 +252,7 @@ def test_who_does_not_ask_again_is_told_nothing_more(work, tmp_path, monkeypatch
 
 
 GOAL = {"job": "a", "kind": "count", "count": 1}
-WRONG_GOALS: list[dict[str, object]] = [
+WRONG_GOALS: list[dict[str, Any]] = [
     *({"job": job} for job in (7, "x" * 65, "../x")),
     *({"count": count} for count in ("1", True, 0, 2**52)),
     *({"text": text} for text in (7, "x" * 1001)),

@@ -16,6 +16,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, closing, contextmanager
 from functools import partial
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 import zmq
@@ -418,7 +419,7 @@ def made(context, tmp_path):
 
 def test_what_a_method_cannot_use_is_named(made):
     kinds, journal, client, where = (made[name] for name in ("kinds", "journal", "client", "where"))
-    for name, call, *values in [
+    table: list[Any] = [
         ("work", lambda value: Kind(value, 1), None, "count"),
         ("most", lambda value: Kind(nothing, value), 0, 0.5),
         ("has_checkpoint", lambda value: Kind(nothing, 1, value), 0),
@@ -448,7 +449,8 @@ def test_what_a_method_cannot_use_is_named(made):
         ("share", lambda value: progress.Progress().show("line", value), -1, "", 2),
         ("news", progress.words, "news"),
         ("news", progress.share, "news"),
-    ]:
+    ]
+    for name, call, *values in table:
         for value in values:
             with pytest.raises((Error, ValueError, TypeError), match=rf"\b{name}\b") as caught:
                 call(value)

@@ -11,6 +11,7 @@ import re
 import sys
 import time
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 import zmq
@@ -258,6 +259,7 @@ def test_a_stream_without_a_pose_is_given_up(kind, stage, listen):
 
 STAND_IN = '''
 from types import SimpleNamespace
+from typing import Any
 class Landmark(SimpleNamespace): pass
 class ImageFormat: SRGB = 1
 class Image:
@@ -313,6 +315,8 @@ tasks = SimpleNamespace(vision=vision, BaseOptions=SimpleNamespace)
 OPENCV = '''
 import time
 from types import SimpleNamespace
+from typing import Any
+from typing import Any
 COLOR_BGR2RGB = 4
 def cvtColor(picture, code):
     assert (picture, code) == ("BGR of a picture", 4)
@@ -527,7 +531,7 @@ def test_what_a_method_cannot_use_is_named(context, monkeypatch, tmp_path):
         with body_listener.BodyListener(endpoint, topic, **how) as listener:
             listener.receive(timeout)
 
-    for name, call, *values in [
+    table: list[Any] = [
         ("socket", lambda value: listener(socket=value), 0, zmq.SUB),
         ("endpoint", listener, None, "tcp://127.0.0.1:99999"),
         ("topic", lambda value: listener(topic=value), None, "pose/0", "pose/-1/"),
@@ -545,7 +549,8 @@ def test_what_a_method_cannot_use_is_named(context, monkeypatch, tmp_path):
         ("model", lambda value: next(camera.watch(0, value, 1)), None),
         ("persons", lambda value: next(camera.watch(0, "m.task", value)), None, 0),
         ("hands", lambda value: next(camera.watch(0, "m.task", 1, value)), 0),
-    ]:
+    ]
+    for name, call, *values in table:
         for value in values:
             with pytest.raises((ValueError, TypeError), match=rf"\b{name}\b") as caught:
                 call(value)

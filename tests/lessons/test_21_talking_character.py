@@ -361,7 +361,7 @@ def test_an_ollama_that_is_not_there_is_named(runs):
 
 def test_what_a_method_cannot_use_is_named(context):
     with JobClient("tcp://127.0.0.1:1", context=context) as client:
-        for name, call, *values in [
+        table: list[Any] = [
             ("client", lambda value: ask(value, "Who are you?", 200), None),
             ("prompt", lambda value: ask(client, value, 200), None, "", "x" * 1001),
             ("most", lambda value: ask(client, "Who are you?", value), 0),
@@ -370,7 +370,8 @@ def test_what_a_method_cannot_use_is_named(context):
             ("result", Speech().outcome, None),
             ("address", lambda value: next(ollama_talk(1, b"", "?", url=value, model="x")), None, "http://x:0"),
             ("model", lambda value: next(ollama_talk(1, b"", "?", url="http://x", model=value)), None, ""),
-        ]:
+        ]
+        for name, call, *values in table:
             for value in values:
                 with pytest.raises((ValueError, TypeError), match=rf"\b{name}\b") as caught:
                     call(value)
