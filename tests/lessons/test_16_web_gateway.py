@@ -408,15 +408,8 @@ def test_what_a_stranger_sends_is_answered_with_an_error_and_no_more(gateway):
             where = f"{endpoint}/socket.io/?EIO=4&transport=polling"
             async with session.get(where) as reply:
                 sid = json.loads((await reply.text())[1:])["sid"]
-            for data in (
-                "",
-                "nonsense",
-                "40",
-                "42",
-                '42["hello"',
-                "451-[",
-                '421["hello",{"_placeholder":true,"num":7}]',
-            ):
+            odd = ["", "nonsense", "40", "42", '42["hello"', "451-[", '421["hello",{"_placeholder":true,"num":7}]']
+            for data in odd:
                 async with session.post(f"{where}&sid={sid}", data=data) as reply:
                     await reply.text()
 
