@@ -14,25 +14,7 @@ from kitlib.programs import quietly
 from kitlib.setup import dotnet, python_setup
 from kitlib.terminal import say
 from lab import machine, report
-from lab.contest import (
-    BARE,
-    BARE_ACTION,
-    BUSY,
-    CURVE,
-    GRPC,
-    HELLO,
-    HTTP,
-    JSON,
-    MANY,
-    NAIVE,
-    POOLED,
-    STEER,
-    STEPS,
-    TCP,
-    WEBSOCKET,
-    Lab,
-    elsewhere,
-)  # fmt: skip
+from lab.contest import BARE, BARE_ACTION, BUSY, CURVE, ECHOES, HELLO, STEER, STEPS, Lab, elsewhere
 from lab.programs import LIMIT
 
 # A picture of 320 x 240 points, each of three bytes.
@@ -96,7 +78,7 @@ def echoes(lab: Lab) -> list[dict[str, Any]]:
     """Round trips of each size, first the small ones that everybody can do."""
     found = []
     for title, size in SIZES.items():
-        everybody = [TCP, HELLO, BARE, POOLED, NAIVE, WEBSOCKET, HTTP, GRPC, JSON, MANY, *elsewhere("mono", "on Mono")]
+        everybody = [*ECHOES, *elsewhere("mono", "on Mono")]
         taking_part = [each for each in everybody if size == 32 or not each.only_small]
         found.append(lab.work(f"echo of {title}", taking_part, f"echo {{name}} {{endpoint}} {size} {lab.moment}"))
     return found
@@ -116,7 +98,7 @@ def other_work(lab: Lab) -> list[dict[str, Any]]:
 
 
 def frames(lab: Lab, count: int) -> list[dict[str, Any]]:
-    """What lesson 04's client costs Unity's main thread in a frame, in the player at 60 frames a second."""
+    """The cost of lesson 04's client for Unity's main thread in a frame, in the player at 60 frames a second."""
     found = []
     for name, client in list(lab.clients.items()):
         if name in ("grpc", "trainer"):
@@ -136,13 +118,8 @@ def frames(lab: Lab, count: int) -> list[dict[str, Any]]:
             lab.failed(name, report.FRAMES, why)
             continue
         keys = ("mean", "half", "of_100_99", "longest", "bytes")
-        found.append(
-            {
-                "label": report.RUNTIMES[name],
-                "frames": count,
-                **dict(zip(keys, map(float, numbers.groups()), strict=True)),
-            }
-        )
+        row: dict[str, Any] = {"label": report.RUNTIMES[name], "frames": count}
+        found.append(row | dict(zip(keys, map(float, numbers.groups()), strict=True)))
     return found
 
 

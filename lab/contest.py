@@ -1,4 +1,4 @@
-"""Who takes part in kit.py bench, and how they are compared: in rounds that take turns.
+"""The contenders of kit.py bench, and how they are compared: in rounds that take turns.
 
 Each round lets every contender work for a moment, so that whatever else the machine does hits all of them alike; what
 is compared is each contender's rate with that of raw TCP in the same round. The first round only warms up.
@@ -22,7 +22,7 @@ LAB = ROOT / "lab" / "contenders"
 
 @dataclass(frozen=True)
 class Contender:
-    """Who takes part: a client program, what it is asked for, and the server it talks to."""
+    """One that takes part: a client program, what it is asked for, and the server it talks to."""
 
     label: str
     program: str
@@ -47,6 +47,7 @@ WEBSOCKET = Contender("WebSocket, websockets", "dotnet", "websocket", "websocket
 GRPC = Contender("gRPC, Python both sides", "grpc", "grpc", "grpc", "grpcio")
 JSON = Contender("JSON lines, Base64", "dotnet", "json", "json")
 MANY = Contender("lesson 06, 64 in flight", "dotnet", "many@64", "06_many_in_flight", only_small=True)
+ECHOES = [TCP, HELLO, BARE, POOLED, NAIVE, WEBSOCKET, HTTP, GRPC, JSON, MANY]
 # A trainer that launches its simulators itself: there is no server to start.
 STEPS = [
     Contender("Gymnasium's own, in process", "trainer", "own", "", "gymnasium"),
@@ -75,7 +76,7 @@ def elsewhere(program: str, where: str) -> list[Contender]:
 
 @dataclass
 class Row:
-    """What one contender did in one kind of work, a value for each round."""
+    """The results of one contender in one kind of work, a value for each round."""
 
     label: str
     rates: list[float] = field(default_factory=list)
@@ -142,11 +143,9 @@ class Lab:
             if name == "grpc":
                 command = [str(self.python), str(LAB / "grpc_client.py")]
             elif name == "trainer":
-                dlls = [
-                    dotnet.build(self.builds["dotnet"]),
-                    dotnet.build(self.builds["dotnet"], ROOT / "lab" / "csharp"),
-                ]
-                # What it launches would have to share its cores.
+                netmq = self.builds["dotnet"]
+                dlls = [dotnet.build(netmq), dotnet.build(netmq, ROOT / "lab" / "csharp")]
+                # The simulators that it launches would have to share its cores.
                 command, cores = [str(self.python), str(LAB / "trainer.py"), *map(str, dlls)], set()
             else:
                 dll = dotnet.build(self.builds[name], ROOT / "lab" / "csharp")

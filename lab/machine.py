@@ -1,4 +1,4 @@
-"""What the lab measured on and with, and why not to trust a run."""
+"""The machine and the versions that the lab measured with, and why not to trust a run."""
 
 from __future__ import annotations
 

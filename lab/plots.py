@@ -64,21 +64,14 @@ def bars(path: Path, title: str, unit: str, rows: list[tuple[str, list[float]]])
     save(path, figure, title)
 
 
-def echoes(results: dict[str, Any], title: str, path: Path) -> None:
-    rows = [
-        (row["label"], row["ratio"])
-        for row in rows_of(results, f"echo of {title}")
-        if row["ratio"] and " in flight" not in row["label"]
-    ]
-    bars(
-        path, f"Echo of {title}, one after the other", "times raw TCP in the same round: least, middle, greatest", rows
-    )
-
-
 def main(kept: Path, folder: Path) -> None:
     results = json.loads(kept.read_text(encoding="utf-8"))
     for title, name in (("32 B", "32"), ("230,400 B", "230400")):
-        echoes(results, title, folder / f"performance_echo_{name}.svg")
+        found = [
+            row for row in rows_of(results, f"echo of {title}") if row["ratio"] and " in flight" not in row["label"]
+        ]
+        path, unit = folder / f"performance_echo_{name}.svg", "times raw TCP in the same round: least, middle, greatest"
+        bars(path, f"Echo of {title}, one after the other", unit, [(row["label"], row["ratio"]) for row in found])
 
 
 if __name__ == "__main__":

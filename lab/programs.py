@@ -61,7 +61,7 @@ class Program(programs.Program):
             super().__init__(command, stdin=stdin)
 
     def spent(self) -> Spent:
-        """What it has used so far; nan where the system does not say it exactly (Linux does)."""
+        """Its use so far; nan where the system does not say it exactly (Linux does)."""
         pid, sleeps = self.process.pid, dict[str, int]()
         try:
             for task in Path(f"/proc/{pid}/task").iterdir():

@@ -17,7 +17,7 @@ HEAD = (
 
 
 def rows_of(results: dict[str, Any], title: str) -> list[dict[str, Any]]:
-    """What each contender did in one kind of work."""
+    """The row of each contender in one kind of work."""
     return next(work["rows"] for work in results["works"] if work["title"] == title)
 
 

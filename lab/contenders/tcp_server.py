@@ -24,7 +24,7 @@ def serve(connection: socket.socket) -> None:
         while size < whole:
             size += receive(connection, buffer[size:])
         connection.sendall(buffer[:whole])
-        # What came behind it is the beginning of the next one.
+        # The rest is the beginning of the next one.
         rest = buffer[whole:size].tobytes()
         buffer[: len(rest)] = rest
         size = len(rest) or receive(connection, buffer)

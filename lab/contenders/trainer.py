@@ -38,7 +38,7 @@ CONSOLE, LAB = sys.argv[1:3]
 
 
 class Echo:
-    """What ZeroMQ alone does with as many bytes."""
+    """ZeroMQ alone, with as many bytes."""
 
     def __init__(self) -> None:
         self.context = zmq.Context()

@@ -1,4 +1,4 @@
-// What lesson 04's client costs the main thread: run the callback of what came back, and ask once, in each frame.
+// The cost of lesson 04's client for the main thread: run the callback of what came back, and ask once, in each frame.
 using System;
 using UnityEngine;
 using UnityPlayer;

@@ -32,7 +32,7 @@ def test_tables_and_excerpts_are_what_their_files_have():
 
 
 def ran(source):
-    """What `kit.py run` prints, by the function behind it: no program has to start and look for packages."""
+    """The lines of `kit.py run`, by the function behind it: no program has to start and look for packages."""
     said = io.StringIO()
     with pytest.MonkeyPatch.context() as patch, contextlib.redirect_stdout(said):
         patch.setattr(python_setup, "interpreter", lambda *_: PYTHON)
@@ -75,51 +75,41 @@ argparse.ArgumentParser.parse_args = only
 """
 
 
+def typed():
+    """Each command of the pages for a lesson's program: its block, the client or "server", the lesson and the words."""
+    for block in BLOCKS:
+        for line in filter(None, block.body.splitlines()) if block.kind == "commands" else ():
+            words = shlex.split(line.split("  #")[0])
+            if words[:2] == ["python3", "kit.py"]:
+                given = commands.parse(importlib.import_module(f"kitlib.commands.{words[2]}"), words[3:])
+                if words[2] == "run":
+                    yield block, "server", find(given.lesson).key, shlex.split(given.server)
+                    yield block, given.client or "csharp", find(given.lesson).key, shlex.split(given.options)
+                elif words[2] in ("server", "client"):
+                    kind = "server" if words[2] == "server" else given.client or "csharp"
+                    yield block, kind, find(given.lesson).key, given.words
+            elif words[0] == "python":
+                assert words[1].startswith("python/"), block.where
+                yield block, "file", words[1].removeprefix("python/"), words[2:]
+            else:
+                assert words[:5] == ["dotnet", "run", "--project", "csharp-console", "--"], (block.where, line)
+                number, *options = [word for word in words[5:] if word != "--unity"]
+                yield block, "unity" if "--unity" in words else "csharp", find(number).key, options
+
+
 def test_every_command_is_understood(run):
     """By kit.py, by the programs for which it has words, and by the terminal clients; transcripts run many of them."""
+    files = {"server": "/server.py", "python": "/client.py", "file": ""}
     with InTurn([PYTHON, "-c", PARSE + EACH_RUN]) as parse:
-
-        def understood(where, program, words):
-            if words and not lacking().get(program.split("/")[0]):
-                done = parse(ROOT / "python" / program, *words)
-                assert done.code == 0, (where, words, done.lines)
-
-        for block in BLOCKS:
-            for line in filter(None, block.body.splitlines()) if block.kind == "commands" else ():
-                words = shlex.split(line.split("  #")[0])
-                if words[:2] == ["python3", "kit.py"]:
-                    command = importlib.import_module(f"kitlib.commands.{words[2]}")
-                    given = commands.parse(command, words[3:])
-                    if words[2] == "run":
-                        lesson = find(given.lesson).key
-                        understood(block.where, f"{lesson}/server.py", shlex.split(given.server))
-                        if given.client == "python":
-                            understood(block.where, f"{lesson}/client.py", shlex.split(given.options))
-                        else:
-                            understands(run, given.client or "csharp", lesson, shlex.split(given.options), block.where)
-                    elif words[2] in ("server", "client"):
-                        lesson = find(given.lesson).key
-                        if words[2] == "server" or given.client == "python":
-                            understood(block.where, f"{lesson}/{words[2]}.py", given.words)
-                        else:
-                            understands(run, given.client or "csharp", lesson, given.words, block.where)
-                elif words[0] == "python":
-                    assert words[1].startswith("python/"), block.where
-                    understood(block.where, words[1].removeprefix("python/"), words[2:])
-                else:
-                    assert words[:5] == ["dotnet", "run", "--project", "csharp-console", "--"], (block.where, line)
-                    unity = "--unity" in words
-                    words = [word for word in words[5:] if word != "--unity"]
-                    understands(run, "unity" if unity else "csharp", find(words[0]).key, words[1:], block.where)
-
-
-def understands(run, kind, key, words, where):
-    """Whether a C# client has these options, by the list that it gives of them; its values are tested elsewhere."""
-    known = " ".join(run(kind, key, "--help").lines)
-    for word in words:
-        if word.startswith("--"):
-            name = re.escape(word[2:].partition("=")[0])
-            assert re.search(rf"(?:--| ){name}\b", known), (where, word, known)
+        for block, kind, key, words in typed():
+            if kind in ("csharp", "unity"):
+                # By the list that it gives of its options; their values are tested elsewhere.
+                known = " ".join(run(kind, key, "--help").lines)
+                for name in [word[2:].partition("=")[0] for word in words if word.startswith("--")]:
+                    assert re.search(rf"(?:--| ){re.escape(name)}\b", known), (block.where, name, known)
+            elif words and not lacking().get(key.split("/")[0]):
+                done = parse(ROOT / "python" / f"{key}{files[kind]}", *words)
+                assert done.code == 0, (block.where, words, done.lines)
 
 
 def test_every_block_of_another_language_can_be_read():

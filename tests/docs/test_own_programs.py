@@ -7,10 +7,6 @@ import re
 import signal
 import sys
 import time
-import urllib.error
-import urllib.request
-from concurrent.futures import ThreadPoolExecutor
-from urllib.parse import urlencode
 
 import pytest
 import zmq
@@ -19,7 +15,7 @@ from kitlib.docs import guide
 from netmq_example import LazyPirate, Publisher, TopicListener, errors
 from netmq_example.pose_stream import snapshots_beside
 from tests.conftest import PYTHON
-from tests.programs import LIMIT, ROOT, finished, free_port, steady_endpoint, two_ports
+from tests.programs import LIMIT, ROOT, finished, steady_endpoint, two_ports
 
 BLOCKS = [block for page in guide.pages() for block in guide.blocks(page)]
 # A program finds the package here, as if it was installed.
@@ -132,75 +128,61 @@ def test_many_of_ones_own(run):
     assert re.match("3 error: ValueError", ends[0]) and ends[1:] == ["2 slept 0.1", "1 slept 0.8"], program.output
 
 
-# As much of FastAPI, over aiohttp, as the page's service needs.
+# As much of FastAPI as the page's service needs.
 LIKE_FASTAPI = """
 from types import SimpleNamespace
 
-from aiohttp import web
-
 
 class HTTPException(Exception):
-    def __init__(self, status, detail):
-        self.status, self.detail = status, detail
+    def __init__(self, status_code, detail):
+        self.status_code, self.detail = status_code, detail
 
 
 class FastAPI:
     def __init__(self, lifespan):
-        self.lifespan, self.state, self.web = lifespan, SimpleNamespace(), web.Application()
-        self.web.cleanup_ctx.append(self.live)
-
-    async def live(self, application):
-        async with self.lifespan(self):
-            yield
+        self.state = SimpleNamespace()
 
     def get(self, path):
-        def add(function):
-            async def handle(request):
-                try:
-                    return web.json_response(await function(**request.query))
-                except HTTPException as error:
-                    return web.json_response({"detail": error.detail}, status=error.status)
-
-            self.web.router.add_get(path, handle)
-
-        return add
+        return lambda function: function
 """
-BY_UVICORN = "import uvicorn\nuvicorn.run(app, port=PORT)\n"
-BY_AIOHTTP = "from aiohttp import web\nweb.run_app(app.web, host='127.0.0.1', port=PORT)\n"
+CALLS = """
+import asyncio
+
+
+async def called(text):
+    try:
+        return await ask(text)
+    except HTTPException as error:
+        return f"{error.status_code} {error.detail}"
+
+
+async def main():
+    async with lifespan(app):
+        print(*await asyncio.gather(*(called(f"echo {number}") for number in range(100))))
+        print(await called("sing"))
+        while not (said := await called("hello")).startswith("504 "):
+            await asyncio.sleep(0.1)
+        print(said)
+
+
+asyncio.run(main())
+"""
 
 
 def test_a_web_service(run, serve, tmp_path):
     """A hundred at once get each their own reply; and what the server refuses, or does not answer, has its code."""
     (program,) = programs("test_a_web_service")
-    real = all(map(importlib.util.find_spec, ("fastapi", "uvicorn")))
-    if not real:
-        pytest.importorskip("aiohttp", reason="it needs FastAPI or aiohttp: pip install fastapi uvicorn")
+    if not importlib.util.find_spec("fastapi"):
         (tmp_path / "fastapi.py").write_text(LIKE_FASTAPI, encoding="utf-8")
     server, endpoint = serve("04_background_client")
-    port = free_port()
-    end = (BY_UVICORN if real else BY_AIOHTTP).replace("PORT", str(port))
     # A busy machine may take longer for a hundred than the seconds of the page, which the last one waits for in vain.
     patient = program.replace("within=3", "within=30 if text[0] == 'e' else 3")
-    service = run(f"{patient}\n\n{end}", "tcp://127.0.0.1:5554", endpoint)
-    service.wait_for("[Rr]unning on http://")
-
-    def get(text):
-        try:
-            with urllib.request.urlopen(f"http://127.0.0.1:{port}/ask?{urlencode({'text': text})}") as reply:
-                return reply.status, json.load(reply)
-        except urllib.error.HTTPError as error:
-            with error:
-                return error.code, json.load(error)["detail"]
-
-    with ThreadPoolExecutor(100) as pool:
-        assert list(pool.map(get, [f"echo {number}" for number in range(100)])) == [(200, f"{n}") for n in range(100)]
-    code, text = get("sing")
-    assert code == 400 and text.startswith("expected hello or echo TEXT")
+    service = run(f"{patient}\n{CALLS}", "tcp://127.0.0.1:5554", endpoint)
+    service.wait_for("^400 expected hello or echo TEXT")
     server.kill()
-    code, text = get("hello")
-    assert code == 504 and "'hello' may have been done or not" in text
-    service.stop(signal.SIGINT)
-    assert "Traceback" not in service.output
+    assert service.wait() == 0, service.output
+    assert service.lines[0] == " ".join(map(str, range(100)))
+    assert service.lines[-1].startswith("504 ") and "'hello' may have been done or not" in service.lines[-1]
 
 
 def test_the_tree_of_errors():

@@ -26,7 +26,7 @@ NAKED_SERVER, NAKED_CLIENT = FIRST[:2]
 OWN = "tcp://127.0.0.1:5551"
 # The component for whoever comes from HelloRequester.cs, and a part of it that goes on after a restart.
 HELLO, AGAIN = (block.body for block in CSHARP if "test_the_way_from_the_old_hello" in block.source)
-# What stands round a fragment: the names that it may use besides its own.
+# The surroundings of a fragment: the names that it may use besides its own.
 SURROUNDINGS = """
 using System; using System.Collections.Generic; using System.Linq; using System.Threading; using System.Threading.Tasks;
 using NetMQ; using NetMQ.Sockets; using NetMQExample; using UnityEngine;
@@ -151,6 +151,21 @@ NAKED
         player.Stop();
     }
 
+    // An object with this script, whose fields have these values.
+    static MonoBehaviour Add(Type type, string endpoint, Action<MonoBehaviour> prepare, params (string, string)[] more)
+    {
+        var thing = new GameObject("mine");
+        thing.SetActive(false);
+        var added = (MonoBehaviour)thing.AddComponent(type);
+        foreach (var (name, value) in more.Prepend(("endpoint", endpoint))) Inspector.Set(new[] { added }, name, value);
+        prepare?.Invoke(added);
+        thing.SetActive(true);
+        return added;
+    }
+
+    static FieldInfo Hidden(Type type, string name)
+        => type.GetField(name, BindingFlags.NonPublic | BindingFlags.Instance);
+
     // All but the last Play are stopped while the server is away, which the old example does not survive; the last when
     // it is done, or has logged this line.
     static void Hello(Type component, string endpoint, string timeout, int plays, string line)
@@ -162,15 +177,7 @@ NAKED
             var stops = plays == 1 || play < plays;
             Application.LogCallback see = (text, _, _) => seen = stops && text == line;
             Application.logMessageReceived += see;
-            player.Begin(() =>
-            {
-                var thing = new GameObject("hello");
-                thing.SetActive(false);
-                var script = (MonoBehaviour)thing.AddComponent(component);
-                Inspector.Set(new[] { script }, "endpoint", endpoint);
-                Inspector.Set(new[] { script }, "timeout", timeout);
-                thing.SetActive(true);
-            });
+            player.Begin(() => Add(component, endpoint, null, ("timeout", timeout)));
             player.Run(TimeSpan.FromSeconds(120), () => seen);
             player.Stop();
             Application.logMessageReceived -= see;
@@ -178,23 +185,16 @@ NAKED
         }
     }
 
-    // What the component has got: its size, and the first number of its lowest and of its highest row.
+    // The component's picture: its size, and the first number of its lowest and of its highest row.
     static void Picture(string endpoint)
     {
         var player = new Player(typeof(PictureView).Assembly);
-        var field = typeof(PictureView).GetField("texture", BindingFlags.NonPublic | BindingFlags.Instance);
-        PictureView view = null;
-        player.Begin(() =>
-        {
-            var thing = new GameObject("picture");
-            thing.SetActive(false);
-            view = (PictureView)thing.AddComponent(typeof(PictureView));
-            Inspector.Set(new[] { view }, "endpoint", endpoint);
-            thing.SetActive(true);
-        });
+        MonoBehaviour view = null;
+        player.Begin(() => view = Add(typeof(PictureView), endpoint, null));
         player.Run(TimeSpan.FromSeconds(60), () =>
         {
-            if (!(field.GetValue(view) is Texture2D seen) || seen == null) return false;
+            var seen = Hidden(typeof(PictureView), "texture").GetValue(view) as Texture2D;
+            if (seen == null) return false;
             var pixels = seen.GetRawTextureData<byte>();
             Console.WriteLine($"{seen.width} x {seen.height} {pixels[0]} {pixels[pixels.Length - 3]}");
             return true;
@@ -227,14 +227,8 @@ NAKED
     static void Put(Transform[] joints, string endpoint, string topic, string timeout)
     {
         for (var i = 0; i < joints.Length; i++) joints[i] = new GameObject("joint").transform;
-        var thing = new GameObject(topic);
-        thing.SetActive(false);
-        var script = (MonoBehaviour)thing.AddComponent(typeof(HandReceiver));
-        foreach (var (name, value) in new[] { ("endpoint", endpoint), ("topic", topic), ("timeout", timeout) })
-            Inspector.Set(new[] { script }, name, value);
-        var field = typeof(HandReceiver).GetField("joints", BindingFlags.NonPublic | BindingFlags.Instance);
-        field.SetValue(script, joints);
-        thing.SetActive(true);
+        Add(typeof(HandReceiver), endpoint, hand => Hidden(typeof(HandReceiver), "joints").SetValue(hand, joints),
+            ("topic", topic), ("timeout", timeout));
     }
 }
 """

@@ -21,7 +21,7 @@ GOES_ON |= {"the client was closed", "the listener was stopped", "the game is go
 
 
 def without_code(text):
-    """What stands in a hole of an f-string is code: of it only the name is kept."""
+    """The hole of an f-string holds code: of it only the name is kept."""
     return re.sub(r"\{(\w*)[^{}]*\}", r"{\1}", text)
 
 

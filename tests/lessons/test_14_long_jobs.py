@@ -16,6 +16,7 @@ from collections import Counter
 from contextlib import closing
 from itertools import accumulate
 from pathlib import Path
+from typing import Any
 
 import pytest
 import zmq
@@ -56,70 +57,54 @@ def work(monkeypatch):
 
 @pytest.mark.parametrize("side", ["python", "csharp"])
 def test_clients_in_a_terminal_and_in_unity(side, serve, runs, peer):
-    """All in one process, one after the other; and they say the same of the same job."""
+    """They say the same of the same job."""
     server, endpoint = serve(KEY, "--workers", "3")
-    kinds = [[], ["--unity"]] if side == "csharp" else [[]]
     ended = peer(endpoint).goal("picture", 6)
-    end = ended.result("succeeded")
-    drawn = bytes(end.arrays[0].data)
-    found, each = {}, {}
-    for number, kind in enumerate(kinds):
+    drawn = bytes(ended.result("succeeded").arrays[0].data)
+    for kind in [[], ["--unity"]] if side == "csharp" else [[]]:
         held = peer(endpoint).goal(count=5000)
-        each |= {
-            (number, name): [*kind, "--endpoint", endpoint, "--timeout", "20", *words]
-            for name, words in {
-                "count": ["--kind", "count", "--count", "40"],
-                "picture": ["--kind", "picture", "--count", "8"],
-                "again": ["--resume", ended.job],
-                "leave": ["--kind", "count", "--count", "60", "--leave-at", "5"],
-                "held": ["--resume", held.job, "--leave-at", "1"],
-                "cancel": ["--kind", "count", "--count", "5000", "--cancel-at", "10"],
-                "held again": ["--resume", held.job, "--cancel-at", "1"],
-                "unknown": ["--resume", "no-such-job"],
-                "forget": ["--kind", "path", "--count", "3", "--forget", *(["true"] if kind else [])],
-            }.items()
+        table = {
+            "count": ["--kind", "count", "--count", "40"],
+            "picture": ["--kind", "picture", "--count", "8"],
+            "again": ["--resume", ended.job],
+            "leave": ["--kind", "count", "--count", "60", "--leave-at", "5"],
+            "held": ["--resume", held.job, "--leave-at", "1"],
+            "cancel": ["--kind", "count", "--count", "5000", "--cancel-at", "10"],
+            "held again": ["--resume", held.job, "--cancel-at", "1"],
+            "unknown": ["--resume", "no-such-job"],
+            "forget": ["--kind", "path", "--count", "3", "--forget", *(["true"] if kind else [])],
         }
-    found = dict(zip(each, runs(side, KEY, [*each.values()]), strict=True))
-    for (number, name), run in found.items():
-        assert run.code == (1 if name == "unknown" else 0), (name, run.lines)
-        lines = [line for line in run.lines if "runInBackground" not in line]
-        job = re.fullmatch(rf"asking {endpoint} for job ([0-9a-f]{{32}}|no-such-job)", lines[0])[1]
-        last = [line.replace(f"job {job[:8]}: ", "") for line in lines[-2:]]
-        if name == "count":
-            assert lines[1] == f"job {job[:8]}: accepted"
-            places = [int(re.fullmatch(rf"job {job[:8]}: (\d+) of 40", line)[1]) for line in lines[2:-2]]
-            assert places and places == sorted(places)
-            tenths = [place // 4 for place in places]
-            assert sorted(set(tenths)) == tenths, "a line for each tenth at the most"
-            assert last == ["succeeded at 40 of 40", f"done: succeeded, 40 bytes, sum {SUM[40]}"]
-        elif name == "picture":
-            assert last == ["succeeded at 8 of 8", "done: succeeded, 192 bytes, sum 5861"]
-        elif name == "again":
-            assert lines[1:] == [
-                f"job {job[:8]}: succeeded at 6 of 6",
-                f"done: succeeded, {len(drawn)} bytes, sum {sum(drawn)}",
-            ]
-        elif name in ("leave", "held"):
-            left, again = re.fullmatch(r"left at (\d+); come back with --resume (\w+)", lines[-1]).groups()
-            assert again == job and int(left) >= (5 if name == "leave" else 1)
-        elif name == "held again":
-            left = int(re.fullmatch(r"left at (\d+);.*", found[number, "held"].lines[-1])[1])
-            assert int(re.fullmatch(rf"job {job[:8]}: (\d+) of 5000", lines[1])[1]) > left, "it went on"
-            assert re.fullmatch(r"canceled at \d+ of 5000", last[0])
-        elif name == "cancel":
-            assert lines[-3] == f"job {job[:8]}: canceling"
-            done = int(re.fullmatch(r"canceled at (\d+) of 5000", last[0])[1])
-            assert done >= 10 and last[1] == f"done: canceled, {done} bytes, sum {SUM[done]}"
-            server.wait_for(rf"^job {job[:8]}: canceled at {done} of 5000")
-        elif name == "unknown":
-            assert last[1].startswith("gave up: unknown-job: there is no such job")
-        elif name == "forget":
-            assert [line.partition(": ")[2] for line in lines[-3:]] == [
-                "succeeded at 900 of 900, a path of 122 steps",
-                "forgotten",
-                "succeeded, 0 bytes, sum 0",
-            ]
-            assert peer(endpoint, job).goal("path", 3).hear("forgotten", "accepted").kind == "forgotten"
+        words = [[*kind, "--endpoint", endpoint, "--timeout", "20", *each] for each in table.values()]
+        said, jobs = {}, {}
+        for name, run in zip(table, runs(side, KEY, words), strict=True):
+            assert run.code == (1 if name == "unknown" else 0), (name, run.lines)
+            first, *lines = [line for line in run.lines if "runInBackground" not in line]
+            jobs[name] = re.fullmatch(rf"asking {endpoint} for job ([0-9a-f]{{32}}|no-such-job)", first)[1]
+            said[name] = [line.replace(f"job {jobs[name][:8]}: ", "") for line in lines]
+        accepted, *places, end, done = said["count"]
+        tenths = [int(re.fullmatch(r"(\d+) of 40", place)[1]) // 4 for place in places]
+        assert tenths and sorted(set(tenths)) == tenths, "a line for each tenth at the most"
+        assert [accepted, end, done] == [
+            "accepted",
+            "succeeded at 40 of 40",
+            f"done: succeeded, 40 bytes, sum {SUM[40]}",
+        ]
+        assert said["picture"][-2:] == ["succeeded at 8 of 8", "done: succeeded, 192 bytes, sum 5861"]
+        assert said["again"] == ["succeeded at 6 of 6", f"done: succeeded, {len(drawn)} bytes, sum {sum(drawn)}"]
+        left = {}
+        for name, least in ("leave", 5), ("held", 1):
+            left[name], again = re.fullmatch(r"left at (\d+); come back with --resume (\w+)", said[name][-1]).groups()
+            assert again == jobs[name] and int(left[name]) >= least
+        assert int(re.fullmatch(r"(\d+) of 5000", said["held again"][0])[1]) > int(left["held"]), "it went on"
+        *_, canceling, end, done = said["cancel"]
+        count = int(re.fullmatch(r"canceled at (\d+) of 5000", end)[1])
+        assert canceling == "canceling" and count >= 10
+        assert done == f"done: canceled, {count} bytes, sum {SUM[count]}"
+        server.wait_for(rf"^job {jobs['cancel'][:8]}: canceled at {count} of 5000")
+        assert said["unknown"][-1].startswith("gave up: unknown-job: there is no such job")
+        end = ["succeeded at 900 of 900, a path of 122 steps", "forgotten", "done: succeeded, 0 bytes, sum 0"]
+        assert said["forget"][-3:] == end
+        assert peer(endpoint, jobs["forget"]).goal("path", 3).hear("forgotten", "accepted").kind == "forgotten"
 
 
 def test_a_server_that_crashes_goes_on_from_the_checkpoint_when_started_in_the_same_way(
@@ -182,15 +167,9 @@ def test_work_that_goes_on_is_the_same_as_work_that_was_never_interrupted(work):
     ]
     searched = [(step.done, step.total, step.text) for step in work.path(4, b"", "")]
     assert searched == [(1000, 1600, "9 cells at the edge"), (1600, 1600, "a path of 270 steps")]
-    assert {name: (kind.most, kind.has_checkpoint) for name, kind in work.KINDS.items()} == {
-        "count": (10_000, True),
-        "picture": (200, True),
-        "path": (300, False),
-        "deaf": (10_000, False),
-    }
 
 
-# What a server answers
+# The server's answers
 
 
 def test_goals_ends_and_what_is_forgotten(jobs_server, peer):
@@ -203,7 +182,7 @@ def test_goals_ends_and_what_is_forgotten(jobs_server, peer):
     # Feedback is the newest state and not often.
     assert units(first.result("succeeded")) == units(second.result("succeeded")) == 100
     seqs = [news.values["seq"] for news in first.heard if news.kind == "feedback"]
-    # Who asks again, in a second without a word, is told again where it stands.
+    # A client that asks again, in a second without a word, is told again where it stands.
     told_again = len(seqs) - len(set(seqs))
     assert told_again <= 5 + first.asked_again
     assert len(seqs) - told_again <= 10 * (time.monotonic() - began) + 2
@@ -247,7 +226,7 @@ def test_the_queue(start, peer, tmp_path):
     assert (rejected["code"], rejected["text"]) == ("queue-full", "2 jobs wait already; try again later")
     assert running.ask("forget").hear("rejected").values["code"] == "not-ended"
     assert waiting.ask("cancel").result("canceled").values["done"] == 0
-    # Whoever was asked twice answers twice, and the second answer may be an old one.
+    # A server that was asked twice answers twice, and the second answer may be an old one.
     last.ask("status").hear("accepted", until=lambda news: news.values["position"] == 1)
     full.goal(count=4).hear("accepted")
     running.ask("cancel").result("canceled")
@@ -272,34 +251,19 @@ def test_who_does_not_ask_again_is_told_nothing_more(work, tmp_path, monkeypatch
         assert [client for client, _ in jobs.turn()][:1] == [b"another"]
 
 
+GOAL = {"job": "a", "kind": "count", "count": 1}
+WRONG_GOALS: list[dict[str, Any]] = [
+    *({"job": job} for job in (7, "x" * 65, "../x")),
+    *({"count": count} for count in ("1", True, 0, 2**52)),
+    *({"text": text} for text in (7, "x" * 1001)),
+    {"kind": "Step"},
+    {"kind": "picture", "count": 201},
+]
 HOSTILE = [
-    [b""],
-    [b"{}"],
-    [b"goal", b"{}"],
-    [b"\xff" * 100],
-    [b"[" * 60_000],
-    *(
-        Message(kind, values=values).frames()
-        for kind, values in [
-            ("goal", {}),
-            ("goal", {"job": 7}),
-            ("goal", {"job": "x" * 65, "kind": "count", "count": 1}),
-            ("goal", {"job": "../x", "kind": "count", "count": 1}),
-            ("goal", {"job": "a", "kind": "count"}),
-            ("goal", {"job": "a", "kind": "count", "count": "1"}),
-            ("goal", {"job": "a", "kind": "count", "count": True}),
-            ("goal", {"job": "a", "kind": "count", "count": 0}),
-            ("goal", {"job": "a", "kind": "count", "count": 2**52}),
-            ("goal", {"job": "a", "kind": "Step", "count": 1}),
-            ("goal", {"job": "a", "kind": "picture", "count": 201}),
-            ("goal", {"job": "a", "kind": "count", "count": 1, "text": 7}),
-            ("goal", {"job": "a", "kind": "count", "count": 1, "text": "x" * 1001}),
-            ("eat", {"job": "a"}),
-            ("status", {"job": "a"}),
-            ("cancel", {"job": "a"}),
-            ("forget", {"job": "a"}),
-        ]
-    ),
+    *([b""], [b"{}"], [b"goal", b"{}"], [b"\xff" * 100], [b"[" * 60_000]),
+    *(Message("goal", values=values).frames() for values in ({}, {"job": "a", "kind": "count"})),
+    *(Message("goal", values={**GOAL, **wrong}).frames() for wrong in WRONG_GOALS),
+    *(Message(kind, values={"job": "a"}).frames() for kind in ("eat", "status", "cancel", "forget")),
 ]
 
 
@@ -312,7 +276,7 @@ def test_what_is_no_request_is_rejected_and_begins_nothing(serve, peer):
         answer = read(rude.socket.recv_multipart())
         assert answer.kind == "rejected", (frames, answer)
         assert answer.values["code"] and answer.values["text"].isprintable()
-    # What it does not know it ignores; and these are as much as may be.
+    # A field that it does not know is ignored; and these are as long as may be.
     longest = peer(endpoint, "x" * 64).ask("goal", kind="count", count=1, more="?", text="x" * 1000)
     assert units(longest.result("succeeded")) == 1
     assert "Traceback" not in server.output
@@ -423,8 +387,8 @@ def test_a_full_disk_rejects_what_cannot_be_written_down(start, peer, tmp_path):
 
 
 # A storm: kill -9, cancel, the same goal again, leaving and coming back, in a random order each time. A seed says what
-# happens and in which order; when, the machine says as well. What must hold in every order: each id ends once, whoever
-# asks hears the same, what was told stays true, and each unit was done once.
+# happens and in which order; when, the machine says as well. In every order each id ends once, all who ask hear the
+# same, a thing that was told stays true, and each unit was done once.
 
 
 SEEDS = (5, 16, 27, 29, 30)

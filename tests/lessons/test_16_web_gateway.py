@@ -15,6 +15,7 @@ import struct
 import sys
 import threading
 import time
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 
@@ -23,12 +24,12 @@ import zmq
 import zmq.asyncio
 
 from tests.conftest import CLIENTS, PYTHON
+from tests.lessons.conftest import answering
 from tests.programs import LIMIT, PATIENT, ROOT, Program, steady_endpoint
 
 aiohttp = pytest.importorskip("aiohttp", reason="lesson 16 needs aiohttp: kit.py run 16 installs it")
 web = pytest.importorskip("aiohttp.web")
 socketio = pytest.importorskip("socketio", reason="lesson 16 needs python-socketio: kit.py run 16 installs it")
-from netmq_example.errors import Error  # noqa: E402
 from netmq_example.web.browser_socket import Listener, Requester  # noqa: E402
 from netmq_example.web.door import Door  # noqa: E402
 from netmq_example.web.requester import WebRequester, WebSocketRequester  # noqa: E402
@@ -55,25 +56,12 @@ def by(kind, socketio_too):
 @pytest.fixture(scope="module")
 def echo():
     """A server behind the gateway that sends back what it gets, whatever it is; of Hello it makes World."""
-    context = zmq.Context()
-    socket = context.socket(zmq.REP)
-    socket.linger = 0
-    port = socket.bind_to_random_port("tcp://127.0.0.1")
 
-    def serve():
-        while True:
-            try:
-                frames = socket.recv_multipart()
-                socket.send_multipart([b"World"] if frames == [b"Hello"] else frames)
-            except zmq.ZMQError:
-                return socket.close()
+    def answer(frames):
+        return [b"World"] if frames == [b"Hello"] else frames
 
-    thread = threading.Thread(target=serve, daemon=True)
-    thread.start()
-    yield f"tcp://127.0.0.1:{port}"
-    # It ends the wait of the thread, which closes the socket.
-    context.term()
-    thread.join(LIMIT)
+    with zmq.Context() as context, answering(context, answer) as endpoint:
+        yield endpoint
 
 
 @contextlib.contextmanager
@@ -108,7 +96,7 @@ def door(echo):
 
 
 def in_browser(endpoint, talk, name="hello", **how):
-    """What an asynchronous function returns that is given a WebSocket."""
+    """The function is given a WebSocket, and its result is returned."""
 
     async def run():
         address = f"{endpoint}/ws/{name}"
@@ -172,7 +160,7 @@ def test_the_lines_of_lesson_01_and_who_is_not_let_in(kind, door, runs):
             ("error: " if kind == "unity" and "error: " + why in run.lines else "") + why,
         ]
     for run, said in (busy, "503"), (busy_too, "browsers are here already"):
-        # Whoever has the right token would look for the mistake there.
+        # A user with the right token would look for the mistake there.
         text = "\n".join(run.lines)
         assert run.code == 1 and "token" not in text
         assert f"no reply from {full} within 4 s; is the server running? (" in text and said in text
@@ -243,28 +231,16 @@ def test_a_page_of_a_stranger_does_not_come_in(serve):
     gateway, endpoint = serve(KEY, "--origin", "https://mine.example", *ABSENT)
     port = endpoint.rpartition(":")[2]
     may = [None, endpoint, f"http://localhost:{port}", "https://mine.example"]
-    may_not = [
-        "null",
-        "",
-        "https://evil.example",
-        f"https://127.0.0.1:{port}",
-        "http://127.0.0.1:1",
-        "https://mine.example.org",
-    ]
-    # A name of the stranger's that leads to this machine.
-    may_not.append(f"http://evil.example:{port}")
-    for origin in [*may, *may_not]:
-        headers = {} if origin is None else {"Origin": origin}
-        assert status(endpoint, headers=headers) == (101 if origin in may else 403), origin
+    may_not = ["null", "", "https://evil.example", f"https://127.0.0.1:{port}", "http://127.0.0.1:1"]
+    # The second is a stranger's name that leads to this machine.
+    may_not += ["https://mine.example.org", f"http://evil.example:{port}"]
 
-    async def by_socket_io(origin):
-        async with aiohttp.ClientSession() as session:
-            where = f"{endpoint}/socket.io/?EIO=4&transport=polling"
-            async with session.get(where, headers={} if origin is None else {"Origin": origin}) as reply:
-                # Else the browser would not show the page of a stranger why, and it may be its reader's own.
-                assert reply.status == 200 or reply.headers["Access-Control-Allow-Origin"] == "*"
-                assert reply.status == 200 or "start with --origin" in await reply.text()
-                return reply.status
+    async def polled(headers):
+        where = f"{endpoint}/socket.io/?EIO=4&transport=polling"
+        async with aiohttp.ClientSession() as session, session.get(where, headers=headers) as reply:
+            # Else the browser would not show the page of a stranger why, and it may be its reader's own.
+            assert reply.status == 200 or reply.headers["Access-Control-Allow-Origin"] == "*"
+            return reply.status
 
     async def own_page():
         async with aiohttp.ClientSession() as session, session.get(endpoint) as reply:
@@ -272,44 +248,31 @@ def test_a_page_of_a_stranger_does_not_come_in(serve):
 
     assert asyncio.run(own_page()) == "frame-ancestors 'none'", "in a frame its clicks could be stolen"
     for origin in [*may, *may_not]:
-        assert asyncio.run(by_socket_io(origin)) == (200 if origin in may else 403), origin
-    why = "refused: the page of {!r} may not come in; if it is yours, start with --origin and its address"
-    gateway.wait_for(re.escape(why.format(may_not[-1])))
-    assert [line for line in gateway.lines if line.startswith("refused")] == [why.format(page) for page in may_not]
+        headers = {} if origin is None else {"Origin": origin}
+        assert status(endpoint, headers=headers) == (101 if origin in may else 403), origin
+        assert asyncio.run(polled(headers)) == (200 if origin in may else 403), origin
     for number in range(20):
         assert status(endpoint, headers={"Origin": f"http://{number}.example"}) == 403
     assert gateway.stop() == 0
-    assert len([line for line in gateway.lines if line.startswith("refused")]) == 20, "a flood of lines"
+    why = "refused: the page of {!r} may not come in; if it is yours, start with --origin and its address"
+    said = [line for line in gateway.lines if line.startswith("refused")]
+    assert said[: len(may_not)] == [why.format(page) for page in may_not]
+    assert len(said) == 20, "a flood of lines"
 
 
 def test_an_old_client_of_socket_io_is_told_so_once(serve):
     gateway, endpoint = serve(KEY, *ABSENT)
-
-    async def asked(transport):
-        where = f"{endpoint}/socket.io/?EIO=3&transport={transport}"
-        async with aiohttp.ClientSession() as session, session.get(where) as reply:
-            return reply.status, await reply.text()
-
     why = "a client of Socket.IO 2 or older may not come in: version 3 or later is needed (EIO=4)"
-    for transport in ("polling", "websocket", "polling"):
-        assert asyncio.run(asked(transport)) == (403, why)
-    assert gateway.stop() == 0
-    assert [line for line in gateway.lines if line.startswith("refused")] == [f"refused: {why}"]
-
-
-def test_an_aiohttp_that_is_too_old_for_socket_io_is_named(serve, monkeypatch):
-    """Engine.IO's newest client looks for what aiohttp has from 3.11 on."""
-    if not hasattr(aiohttp, "ClientWSTimeout"):
-        pytest.skip("it is this old, and so is python-engineio: they fit")
-    monkeypatch.delattr(aiohttp, "ClientWSTimeout")
-    _, endpoint = serve(KEY, *ABSENT)
 
     async def come():
-        async with SocketIORequester(endpoint, "hello", timeout=LIMIT) as requester:
-            await requester.request("Hello")
+        async with aiohttp.ClientSession() as session:
+            for transport in ("polling", "websocket", "polling"):
+                async with session.get(f"{endpoint}/socket.io/?EIO=3&transport={transport}") as reply:
+                    assert (reply.status, await reply.text()) == (403, why)
 
-    with pytest.raises(Error, match=r"^aiohttp is too old for this python-socketio .*pip install --upgrade aiohttp$"):
-        asyncio.run(come())
+    asyncio.run(come())
+    assert gateway.stop() == 0
+    assert [line for line in gateway.lines if line.startswith("refused")] == [f"refused: {why}"]
 
 
 def test_a_timeout_holds_whatever_swallows_its_cancel():
@@ -333,15 +296,12 @@ def test_a_timeout_holds_whatever_swallows_its_cancel():
     assert tries == 1
 
 
-def test_what_the_gateway_cannot_use_is_said(runs, tmp_path):
-    table = [
-        (["--endpoint", "http://0.0.0.0:0"], 1, "everybody in the network could come in; give --token"),
-        (["--endpoint", f"http://{'a' * 70}:0", "--token", "x"], 2, "write it like http://127.0.0.1:5566"),
-        (["--timeout", "0"], 2, "--timeout"),
-        (["--keys", str(tmp_path / "nothing")], 2, "keys.py makes keys"),
-    ]
-    for (_, code, text), run in zip(table, runs("server", KEY, [words for words, _, _ in table]), strict=True):
-        assert run.code == code and text in run.lines[-1] and "Traceback" not in str(run.lines), run
+def test_a_name_that_is_too_long_and_keys_that_are_none_are_named(runs, tmp_path):
+    long, none = runs(
+        "server", KEY, [["--endpoint", f"http://{'a' * 70}:0", "--token", "x"], ["--keys", str(tmp_path)]]
+    )
+    assert long.code == none.code == 2
+    assert "write it like http://127.0.0.1:5566" in long.lines[-1] and "keys.py makes keys" in none.lines[-1]
 
 
 def test_others_than_this_machine_need_a_token(start):
@@ -357,14 +317,6 @@ def test_others_than_this_machine_need_a_token(start):
         (f"my-machine:{port}", "http://evil.example", 403),
     ]:
         assert status(own, params={"token": "secret"}, headers={"Host": host, "Origin": page}) == code, page
-
-
-@pytest.mark.parametrize(("program", "missing"), [("server", "aiohttp"), ("client", "socketio")])
-def test_a_python_without_what_it_needs_says_what_is_missing(program, missing, start, tmp_path):
-    (tmp_path / f"{missing}.py").write_text(f"raise ImportError('No module named {missing}')", encoding="utf-8")
-    ended = start(PYTHON, f"python/{KEY}/{program}.py", PYTHONPATH=str(tmp_path))
-    assert ended.wait() == 1
-    assert ended.lines[-1].startswith(f"No module named {missing}: this lesson needs aiohttp") and len(ended.lines) == 1
 
 
 def test_a_server_with_keys_answers_a_gateway_that_has_them(serve, tmp_path):
@@ -456,15 +408,8 @@ def test_what_a_stranger_sends_is_answered_with_an_error_and_no_more(gateway):
             where = f"{endpoint}/socket.io/?EIO=4&transport=polling"
             async with session.get(where) as reply:
                 sid = json.loads((await reply.text())[1:])["sid"]
-            for data in (
-                "",
-                "nonsense",
-                "40",
-                "42",
-                '42["hello"',
-                "451-[",
-                '421["hello",{"_placeholder":true,"num":7}]',
-            ):
+            odd = ["", "nonsense", "40", "42", '42["hello"', "451-[", '421["hello",{"_placeholder":true,"num":7}]']
+            for data in odd:
                 async with session.post(f"{where}&sid={sid}", data=data) as reply:
                     await reply.text()
 
@@ -492,16 +437,6 @@ def test_only_the_newest_of_a_topic(serve, context):
             assert len(heard) < 300
             numbers = [int(text[3:]) for text in heard]
             assert numbers == sorted(set(numbers))
-            # Another topic, on the same WebSocket; of the one before comes no more.
-            assert await asked(browser, "b/") == []
-            while publisher.recv() != b"\x01b/":
-                pass
-            publisher.send_string("a/ no")
-            publisher.send_string("b/ yes")
-            for _ in range(60):
-                if heard := await asked(browser, "b/"):
-                    break
-            assert heard == ["b/ yes"]
 
         in_browser(endpoint, talk, name="poses")
 
@@ -591,24 +526,40 @@ def test_nothing_is_left_of_a_browser_that_has_gone(socketio_too, gateway):
 # A stranger to the gateway
 
 
-def test_a_browsers_own_events_named_connect_and_disconnect(gateway):
+NOBODY = "behind the gateway there are hello, background, poses, pictures, no {!r}"
+# Packets of a browser by Socket.IO, and the answer to an event with a number.
+EVENTS = [
+    *((f"42{event}", None) for event in ('["connect",{}]', '["connect"]', '["connect",1,2,3]')),
+    *((f'42[{name},"Hello"]', None) for name in ('{"a":1}', '["a"]', '"*"')),
+    *((f'427[{json.dumps(name)},"Hello"]', {"error": NOBODY.format(name)}) for name in ("nobody", 7, "")),
+    ('427["hello","Hello"]', "World"),
+]
+# And after which a browser is let go: it says that it leaves, or speaks neither Socket.IO nor Engine.IO.
+TALKS = [([], ['42["disconnect"]', '422["hello","Hello"]']), (EVENTS, ["x"])]
+
+
+def test_events_and_packets_that_are_none_make_no_noise(gateway):
+    """A name that nobody has is answered, too: otherwise the server would seem to be slow."""
     program, endpoint = gateway
     begin = len(program.lines)
 
-    async def talk(browser, _):
-        for event in ('42["connect",{}]', '42["connect"]', '42["connect",1,2,3]'):
+    async def talk(events, last, browser, _):
+        for event, expected in events:
             await browser.send_str(event)
-        await browser.send_str('421["hello","Hello"]')
-        assert await browser.receive_str(timeout=LIMIT) == '431["World"]'
-        await browser.send_str('42["disconnect"]')
-        await browser.send_str('422["hello","Hello"]')
-        # It has said that it leaves, and so it does.
-        assert await browser.receive_str(timeout=LIMIT) == "41"
+            if expected:
+                assert json.loads((await browser.receive_str(timeout=LIMIT))[3:]) == [expected]
+        for packet in last:
+            await browser.send_str(packet)
+        while (said := await browser.receive(timeout=LIMIT)).type == aiohttp.WSMsgType.TEXT and said.data != "41":
+            pass
 
-    by_socketio(endpoint, talk)
-    program.wait_for(r"^browser \d+ left$", start=begin)
-    came, left = program.lines[begin:]
-    assert came == left.replace("left", "came by Socket.IO")
+    for talked in TALKS:
+        now = len(program.lines)
+        by_socketio(endpoint, partial(talk, *talked))
+        number = program.wait_for(r"^browser (\d+) came", start=now)[1]
+        program.wait_for(rf"^browser {number} left$", start=now)
+    assert not [line for line in program.lines[begin:] if not line.startswith("browser ")]
+    assert len([line for line in program.lines[begin:] if " came by " in line]) == len(TALKS)
 
 
 def test_words_that_are_none_make_no_traceback(door):
@@ -617,7 +568,7 @@ def test_words_that_are_none_make_no_traceback(door):
     async def refused(_, said):
         assert "the token is missing or wrong" in said
 
-    async def says(browser, said):
+    async def says_nothing(browser, said):
         assert said.startswith("40{")
         await browser.send_str("")
         while (await browser.receive(timeout=LIMIT)).type == aiohttp.WSMsgType.TEXT:
@@ -625,44 +576,7 @@ def test_words_that_are_none_make_no_traceback(door):
 
     # Half of a surrogate pair is no letter of UTF-8.
     by_socketio(endpoint, refused, '40{"token":"\\ud800"}')
-    by_socketio(endpoint, says, '40{"token":"a&b ü"}')
-
-
-def test_a_name_that_nobody_has_is_answered_too(gateway):
-    """Otherwise the server would seem to be slow."""
-    _, endpoint = gateway
-
-    async def talk(browser, _):
-        for number, name in enumerate(["nobody", 7, ""], 1):
-            await browser.send_str(f"42{number}{json.dumps([name, 'Hello'])}")
-            said = f"behind the gateway there are hello, background, poses, pictures, no {name!r}"
-            assert await browser.receive_str(timeout=LIMIT) == f"43{number}" + json.dumps(
-                [{"error": said}], separators=(",", ":")
-            )
-        await browser.send_str('429["hello","Hello"]')
-        assert await browser.receive_str(timeout=LIMIT) == '439["World"]'
-
-    by_socketio(endpoint, talk)
-
-
-def test_events_and_packets_that_are_none_make_no_noise(gateway):
-    program, endpoint = gateway
-    begin = len(program.lines)
-
-    async def talk(browser, _):
-        for name in '{"a":1}', '["a"]', '"*"':
-            await browser.send_str(f'42[{name},"Hello"]')
-        await browser.send_str('429["hello","Hello"]')
-        assert await browser.receive_str(timeout=LIMIT) == '439["World"]'
-        # Engine.IO's packets begin with a digit.
-        await browser.send_str("x")
-        while (await browser.receive(timeout=LIMIT)).type == aiohttp.WSMsgType.TEXT:
-            pass
-
-    by_socketio(endpoint, talk)
-    program.wait_for(r"^browser \d+ left$", start=begin)
-    assert in_browser(endpoint, lambda browser: asked(browser, "Hello")) == ["World"]
-    assert not [line for line in program.lines[begin:] if not line.startswith("browser ")]
+    by_socketio(endpoint, says_nothing, '40{"token":"a&b ü"}')
 
 
 def test_of_packets_by_the_thousand_in_one_request_none_is_looked_at(door):
@@ -758,7 +672,7 @@ def test_strangers_who_leave_without_reading_or_send_what_is_packed_fill_no_log(
 
 
 def test_who_asks_nothing_is_let_go(echo):
-    """Or asks half of something, or stays outside of Socket.IO. Whoever has asked stays, however silent it is."""
+    """Or asks half of something, or stays outside of Socket.IO. A browser that has asked stays, silent as it is."""
     with opened("--hello", echo, "--token", "word", change="door.SILENT_SECONDS = 1.5") as (program, endpoint):
         polling = "/socket.io/?EIO=4&transport=polling"
 

@@ -71,26 +71,12 @@ def test_the_job_script_runs_a_hub_its_simulators_and_a_trainer(start, tmp_path)
     assert left == {}
 
 
-def options(text):
-    return dict(re.findall(r"^#SBATCH --([a-z-]+)=(\S+)$", text, re.MULTILINE))
-
-
 @posix
-def test_the_job_script_is_one_for_slurm():
-    """Slurm reads its options up to the first command, each in a comment that begins with #SBATCH."""
-    text = SCRIPT.read_text(encoding="utf-8")
-    assert text.startswith("#!/bin/bash\n")
-    first = next(line for line in text.splitlines() if line and not line.startswith("#"))
-    head, rest = text.split(first, 1)
-    assert options(head).keys() == {"job-name", "ntasks", "cpus-per-task", "time", "output"}
-    assert int(options(head)["ntasks"]) > 1 and re.fullmatch(r"\d\d:\d\d:\d\d", options(head)["time"])
-    assert "#SBATCH" not in rest
-    done = finished(["bash", "-n", SCRIPT])
-    assert (done.returncode, done.stderr) == (0, "")
-
-
-# What Kubernetes requires: https://kubernetes.io/docs/reference/kubernetes-api/
-VERSIONS = {"Service": "v1", "Deployment": "apps/v1", "Job": "batch/v1"}
+def test_slurm_finds_all_its_options():
+    """It reads them up to the first command, each in a comment that begins with #SBATCH."""
+    head, rest = re.split(r"^(?=[^#\n])", SCRIPT.read_text(encoding="utf-8"), maxsplit=1, flags=re.MULTILINE)
+    found = re.findall(r"^#SBATCH --([a-z-]+)=\S+$", head, re.MULTILINE)
+    assert found == ["job-name", "ntasks", "cpus-per-task", "time", "output"] and "#SBATCH" not in rest
 
 
 def documents():
@@ -98,81 +84,50 @@ def documents():
     return list(yaml.safe_load_all(MANIFEST.read_text(encoding="utf-8")))
 
 
-def test_the_manifest_has_what_kubernetes_requires():
-    found = documents()
-    assert sorted(each["metadata"]["name"] for each in found) == ["hub", "hub", "simulator", "trainer"]
-    (service,) = [each for each in found if each["kind"] == "Service"]
-    templates = []
-    for each in found:
-        assert each["apiVersion"] == VERSIONS[each["kind"]]
-        if each["kind"] == "Service":
-            continue
+def test_the_parts_of_the_manifest_fit_each_other():
+    service, *others = sorted(documents(), key=lambda each: each["kind"] != "Service")
+    found = {each["metadata"]["name"]: each["spec"]["template"] for each in others}
+    assert found.keys() == {"hub", "simulator", "trainer"}
+    containers = {}
+    for each in others:
         template = each["spec"]["template"]
-        templates.append(template)
         if each["kind"] == "Deployment":
             assert each["spec"]["selector"]["matchLabels"] == template["metadata"]["labels"]
-        else:
-            assert template["spec"]["restartPolicy"] in ("Never", "OnFailure")
         (container,) = template["spec"]["containers"]
-        assert {"name", "image"} <= container.keys()
+        containers[each["metadata"]["name"]] = container
         mounted = {mount["name"] for mount in container["volumeMounts"]}
         assert mounted == {volume["name"] for volume in template["spec"]["volumes"]}
-    ports = [
-        port["containerPort"]
-        for template in templates
-        if template["metadata"]["labels"] == service["spec"]["selector"]
-        for port in template["spec"]["containers"][0]["ports"]
-    ]
-    assert ports == [port["port"] for port in service["spec"]["ports"]] == [5567]
-    areas = next(each["spec"]["template"]["spec"]["containers"][0]["args"] for each in found if each["kind"] == "Job")
-    (simulators,) = [each["spec"]["replicas"] for each in found if each["metadata"]["name"] == "simulator"]
-    assert int(areas[areas.index("--areas") + 1]) == simulators
+        # Its own parser would say what is wrong with its options, before anything is done.
+        program, *_ = [word for word in container["command"] if word.endswith(".py")]
+        done = finished([PYTHON, ROOT / program, *container["args"], "--no-such-option"])
+        said = done.stderr.splitlines()[-1].replace("unknown host 'hub'", "")
+        assert done.returncode == 2
+        assert said.endswith(("unrecognized arguments: --no-such-option", "'tcp://hub:5567': ; check it")), said
+    assert service["spec"]["selector"] == found["hub"]["metadata"]["labels"]
+    assert [port["port"] for port in service["spec"]["ports"]] == [5567]
+    assert [port["containerPort"] for port in containers["hub"]["ports"]] == [5567]
+    args = containers["trainer"]["args"]
+    (simulators,) = [each["spec"]["replicas"] for each in others if each["metadata"]["name"] == "simulator"]
+    assert int(args[args.index("--areas") + 1]) == simulators
 
 
-def test_the_manifests_programs_take_their_options():
-    """Their own parsers do: what is wrong would be said by them, before anything is done."""
-    for each in documents():
-        if each["kind"] != "Service":
-            (container,) = each["spec"]["template"]["spec"]["containers"]
-            program, *_ = [word for word in container["command"] if word.endswith(".py")]
-            done = finished([PYTHON, ROOT / program, *container["args"], "--no-such-option"])
-            said = done.stderr.splitlines()[-1].replace("unknown host 'hub'", "")
-            assert done.returncode == 2
-            assert said.endswith(("unrecognized arguments: --no-such-option", "'tcp://hub:5567': ; check it")), said
-
-
-def lost(written, kept, where=""):
-    """What is written in the manifest and not in what Kubernetes' types hold of it."""
+def holds(kept, written):
+    """Whether all that is written in the manifest is in what kubectl made of it."""
     if isinstance(written, dict):
-        return [
-            fault
-            for key, value in written.items()
-            for fault in (lost(value, kept[key], f"{where}.{key}") if key in kept else [f"{where}.{key}"])
-        ]
+        return all(key in kept and holds(kept[key], value) for key, value in written.items())
     if isinstance(written, list):
-        return [
-            fault
-            for i, (left, right) in enumerate(zip(written, kept, strict=True))
-            for fault in lost(left, right, f"{where}[{i}]")
-        ]
-    return [] if written == kept else [f"{where}: {written!r} became {kept!r}"]
-
-
-def typed(document):
-    """The manifest as kubectl has it after it was read into Kubernetes' types: what is unknown there is left out."""
-    # It prints what it has changed. Of a Service that is its selector, whatever it was.
-    change = ["selector", "app=hub"] if document["kind"] == "Service" else ["image", "*=another"]
-    done = finished(
-        ["kubectl", "set", change[0], "--local", "-f", "-", change[1], "-o", "json"], input=json.dumps(document)
-    )
-    assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout.replace('"another"', '"netmq-example:1"'))
+        return all(map(holds, kept, written))
+    return kept == written
 
 
 @pytest.mark.skipif(not shutil.which("kubectl"), reason="needs kubectl")
 def test_kubectl_takes_all_of_the_manifest():
+    """It reads it into Kubernetes' own types, and leaves out what is unknown there."""
     for document in documents():
-        assert lost(document, typed(document)) == []
-    wrong = documents()[1]
-    wrong["spec"]["template"]["spec"]["containers"][0]["comand"] = ["python"]
-    assert lost(wrong, typed(wrong)) == [".spec.template.spec.containers[0].comand"]
+        # It prints a document that it has changed. Of a Service it is the selector, whatever it was.
+        change = ["selector", "app=hub"] if document["kind"] == "Service" else ["image", "*=another"]
+        words = ["kubectl", "set", change[0], "--local", "-f", "-", change[1], "-o", "json"]
+        done = finished(words, input=json.dumps(document))
+        assert done.returncode == 0, done.stderr
+        kept = json.loads(done.stdout.replace('"another"', '"netmq-example:1"'))
+        assert holds(kept, document), (document["metadata"]["name"], kept)

@@ -16,14 +16,14 @@ from netmq_example.fleet.board import MOST_LINES, Board
 from netmq_example.fleet.hub import Hub
 from netmq_example.records import ANSWERS, ASKS, NOTHING, Record, rewards
 from tests.conftest import PYTHON
-from tests.lessons.test_17_many_machines import KEY, NoSocket
+from tests.lessons.test_17_many_machines import KEY, Sent
 from tests.programs import ROOT, Program
 
 Array, Message = messages.Array, messages.Message
 
 
 def asks(*orders):
-    """What a trainer with so many areas sends."""
+    """A trainer with so many areas sends this."""
     rows = [bytes(8 * (order == records.STEP)) for order in orders]
     return Record(ASKS, 0, bytes(8 * len(orders)), orders, rows)
 
@@ -34,16 +34,15 @@ def state(*rows):
 
 RESET, STEP = asks(records.RESET), asks(records.STEP)
 STATE = state(bytes(4))
-# What a hello describes the spaces with, which the hub does not read; and a picture.
+# The array in which a hello describes the spaces, which the hub does not read; and a picture.
 SPACES = PIXEL = Array("uint8", (1, 1, 3), bytes(3))
 # A world of its own for each test: a hub brings together what has one name.
 WORLDS = itertools.count()
 SERVER = ROOT / "python" / KEY / "server.py"
-SILENT = SimpleNamespace(send_multipart=lambda frames, flags=0: None)
 
 
 class Peer:
-    """Whoever it wants to be, frame by frame."""
+    """It plays any part, frame by frame."""
 
     def __init__(self, socket, hub, world):
         self.socket, self.world, self.asked = socket, world, 0
@@ -371,7 +370,7 @@ def test_simulators_that_join_and_leave_leave_nothing_behind(hub, peer):
 
 def test_the_board_says_what_has_changed_and_makes_no_flood_of_lines(caplog):
     caplog.set_level("INFO", "netmq_example")
-    board, hub = Board(), Hub(NoSocket())
+    board, hub = Board(), Hub(Sent())
     for number in range(MOST_LINES + 7):
         board.report(f"line {number}")
         board.report(f"line {number}")
@@ -389,7 +388,7 @@ def test_the_board_says_what_has_changed_and_makes_no_flood_of_lines(caplog):
 
 
 def test_for_episodes_that_wait_a_simulator_is_sought_once():
-    hub, count = Hub(SILENT), 5
+    hub, count = Hub(SimpleNamespace(send_multipart=lambda frames, flags=0: None)), 5
     for number in range(count):
         hub.take(b"%d" % number, Message("hello", 0, {"name": "World", "dt": 0.02}, [SPACES]).frames())
     hub.take(b"trainer", Message("join", 0, {"name": "World", "areas": count}).frames())

@@ -11,6 +11,7 @@ import re
 import sys
 import time
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 import zmq
@@ -122,20 +123,20 @@ def test_a_picture_is_played_when_it_is_due():
 
 
 HEADER = ",".join(people.HEADER) + "\n"
-
-
-NO_RECORDINGS = [
+WRONG_ROWS = [
+    "0.0,0,1",
+    "0.0,1" + ",1" * 132,
+    *(row + ",1" * 131 for row in ("x,0,1", "0.0,0,nan", "inf,0,1", "0.0,0,1e300")),
+]
+NO_RECORDINGS: list[tuple[bytes | None, str]] = [
     (None, "cannot read 'mine.csv': .*No such file"),
     (b"\xff\xfe", "cannot read 'mine.csv': .*decode"),
-    (b"", "'mine.csv' is no recording: it must begin with the line seconds,person,x0,y0,z0,v0"),
-    (b"a,b\n1,2\n", "'mine.csv' is no recording"),
+    (b"a,b\n1,2\n", "'mine.csv' is no recording: it must begin with the line seconds,person,x0,y0,z0,v0"),
     (HEADER.encode(), "'mine.csv' is a recording of nothing: below its first line there is no person"),
-    ((HEADER + "0.0,0,1\n").encode(), "line 2 of the recording must be seconds, person 0 and 132 numbers"),
-    ((HEADER + "0.0,1" + ",1" * 132 + "\n").encode(), "line 2 of the recording must be seconds, person 0"),
-    ((HEADER + "x,0" + ",1" * 132 + "\n").encode(), "line 2 of the recording"),
-    ((HEADER + "0.0,0" + ",nan" * 132 + "\n").encode(), "line 2 of the recording"),
-    ((HEADER + "inf,0" + ",1" * 132 + "\n").encode(), "line 2 of the recording"),
-    ((HEADER + "0.0,0" + ",1e300" * 132 + "\n").encode(), "line 2 of the recording"),
+    *(
+        (f"{HEADER}{row}\n".encode(), "line 2 of the recording must be seconds, person 0 and 132 n")
+        for row in WRONG_ROWS
+    ),
 ]
 
 
@@ -155,17 +156,12 @@ def test_what_is_no_recording_is_said_in_one_line(runs, tmp_path):
         assert "Traceback" not in str(run.lines)
 
 
-def test_who_has_no_line_in_a_picture_is_not_there(tmp_path):
-    one, two = ("".join(f"0.0,{person}" + ",0.5" * 132 + "\n" for person in persons) for persons in ([0], [0, 1]))
-    (tmp_path / "mine.csv").write_text(HEADER + two + one.replace("0.0,", "0.5,", 1))
-    assert [[len(body) for body in there] for _, there in people.read(tmp_path / "mine.csv")] == [[33, 33], [33, 0]]
-
-
 def test_a_recording_that_excel_has_saved_is_read(tmp_path):
-    """It puts a byte order mark in front, and writes CR LF."""
-    row = "0.0,0" + ",0.5" * 132 + "\n"
-    (tmp_path / "mine.csv").write_bytes((HEADER + row).replace("\n", "\r\n").encode("utf-8-sig"))
-    assert people.read(tmp_path / "mine.csv") == [(0.0, [[(0.5,) * 4] * 33])]
+    """It puts a byte order mark in front, and writes CR LF; a person without a line in a picture is not there."""
+    rows = [f"{when},{person}" + ",0.5" * 132 + "\n" for when, person in ((0.0, 0), (0.0, 1), (0.5, 0))]
+    (tmp_path / "mine.csv").write_bytes((HEADER + "".join(rows)).replace("\n", "\r\n").encode("utf-8-sig"))
+    body = [(0.5,) * 4] * 33
+    assert people.read(tmp_path / "mine.csv") == [(0.0, [body, body]), (0.5, [body, []])]
 
 
 # A server that goes, and one that the test decides for
@@ -263,6 +259,7 @@ def test_a_stream_without_a_pose_is_given_up(kind, stage, listen):
 
 STAND_IN = '''
 from types import SimpleNamespace
+from typing import Any
 class Landmark(SimpleNamespace): pass
 class ImageFormat: SRGB = 1
 class Image:
@@ -318,6 +315,8 @@ tasks = SimpleNamespace(vision=vision, BaseOptions=SimpleNamespace)
 OPENCV = '''
 import time
 from types import SimpleNamespace
+from typing import Any
+from typing import Any
 COLOR_BGR2RGB = 4
 def cvtColor(picture, code):
     assert (picture, code) == ("BGR of a picture", 4)
@@ -410,7 +409,7 @@ def test_a_film_is_watched_to_its_end_and_a_stream_as_long_as_it_lasts(webcam, s
 
 
 def test_a_newcomer_takes_nobodys_place():
-    """Whom MediaPipe lists first, and close to where the other one stands."""
+    """MediaPipe lists the newcomer first, and it stands close to the other one."""
     marks = {x: [SimpleNamespace(x=x, y=0.5, z=0.0, visibility=0.9) for _ in range(33)] for x in (0.2, 0.4)}
     listed = SimpleNamespace(pose_landmarks=[marks[0.4], marks[0.2]], pose_world_landmarks=[marks[0.4], marks[0.2]])
     people, places = camera.in_order(listed, [(0.2, 0.5), None])
@@ -464,8 +463,6 @@ def test_a_hand_is_heard(kind, stage, listen):
 
 
 def test_without_a_webcam_or_a_model_it_says_what_is_wrong(webcam):
-    (webcam / "page.task").write_text("RuntimeError: Unable to open zip archive.", encoding="utf-8")
-
     def says(pattern, device=0, model="model.task", **more):
         with pytest.raises(people.SourceError, match=pattern):
             next(camera.watch(device, webcam / model, 2, **more))
@@ -473,48 +470,27 @@ def test_without_a_webcam_or_a_model_it_says_what_is_wrong(webcam):
     says("^webcam 7 gives no picture: is it plugged in, not in use elsewhere, and allowed in the .* settings[?]$", 7)
     says("^there is no model 'none.task': take one from https://", model="none.task")
     says("^there is no model 'none.task': take one from https://", hands=webcam / "none.task")
-    says(
-        "^MediaPipe does not take the model 'page.task': Unable to open zip archive.; take one from https://",
-        model="page.task",
-    )
-    for kind in ("FileNotFoundError", "KeyError", "ValueError", "OSError"):
-        (webcam / "bad.task").write_text(f"{kind}: no such\nfile in it" + "!" * 900, encoding="utf-8")
-        says(
-            "^MediaPipe does not take the model 'bad.task': .?no such.{,3}file in it!{100,150}; take one from https://",
-            model="bad.task",
-        )
     missing = "libEGL.so.1: cannot open shared object file: No such file or directory"
     cure = "; on Debian and Ubuntu: apt install libgl1 libegl1 libgles2 libglib2.0-0$"
-    (webcam / "bad.task").write_text(f"OSError: {missing}", encoding="utf-8")
-    says(f"does not take the model 'bad.task': {missing}{cure}", model="bad.task")
+    long, short = "no such\nfile in it" + "!" * 900, ".?no such.{,3}file in it!{100,150}; take one from https://"
+    for text, pattern in [
+        ("RuntimeError: Unable to open zip archive.", "Unable to open zip archive.; take one from https://"),
+        *((f"{kind}: {long}", short) for kind in ("FileNotFoundError", "KeyError", "ValueError", "OSError")),
+        (f"OSError: {missing}", missing + cure),
+    ]:
+        (webcam / "bad.task").write_text(text, encoding="utf-8")
+        says(f"^MediaPipe does not take the model 'bad.task': {pattern}", model="bad.task")
     for module in ("mediapipe", "cv2"):
+        absent = rf"^no {module}: \S+ -m pip install mediapipe; or leave out --camera$"
         for error, pattern in (
             (f"ImportError({missing!r})", f"^{module} does not start: {missing}{cure}"),
             (f"OSError({missing!r})", f"^{module} does not start: {missing}{cure}"),
-            (
-                "ModuleNotFoundError('not here', name=__name__)",
-                rf"^no {module}: \S+ -m pip install mediapipe; or leave out --camera$",
-            ),
+            ("ModuleNotFoundError('not here', name=__name__)", absent),
         ):
             (webcam / f"{module}.py").write_text(f"raise {error}  # {pattern}", encoding="utf-8")
             sys.modules.pop(module, None)
             importlib.invalidate_caches()
             says(pattern)
-
-
-def test_the_real_mediapipe_takes_what_camera_gives_it(tmp_path):
-    """Nobody stands in the dark; and its own errors are lines."""
-    mediapipe = pytest.importorskip("mediapipe", reason="the real MediaPipe is not here: pip install mediapipe")
-    np = pytest.importorskip("numpy", reason="needs numpy: pip install numpy")
-    (tmp_path / "half.task").write_bytes(b"PK\3\4 half a download")
-    with pytest.raises(people.SourceError, match=r"^MediaPipe does not take the model 'half.task': "):
-        camera.landmarker(mediapipe, "Pose", tmp_path / "half.task", num_poses=1)
-    model = ROOT / "pose_landmarker_lite.task"
-    if not model.is_file():
-        pytest.skip(f"a model is not here: download one to {model}")
-    dark = mediapipe.Image(image_format=mediapipe.ImageFormat.SRGB, data=np.zeros((240, 320, 3), np.uint8))
-    with camera.landmarker(mediapipe, "Pose", model, num_poses=2) as bodies:
-        assert camera.in_order(bodies.detect_for_video(dark, 0), [None, None]) == ([[], []], [None, None])
 
 
 def test_a_server_listens_when_there_is_somebody_to_see(webcam, start):
@@ -542,48 +518,40 @@ def test_a_landmark_without_a_place_is_named_and_never_written(tmp_path):
             people.write(tmp_path / "mine.csv", [(0.0, [body])])
 
 
-# What a method cannot use
+# The methods' own refusals
 
 NAN = float("nan")
-POSE = body_listener.parse(message(1, WALK[0][1][0]))
-NOBODY = body_listener.parse(message(1, []))
 
 
-def listener(socket=None, endpoint="tcp://127.0.0.1:1", topic="pose/0/", timeout=1.0):
-    """Waits for a pose on a socket of its own, unless it is given one."""
-    with zmq.Context() as context, context.socket(zmq.SUB) as own:
-        own.linger = 0
-        return body_listener.BodyListener(endpoint, topic, socket=own if socket is None else socket).receive(timeout)
-
-
-WRONG = {
-    "socket": [lambda value: listener(socket=value), 0, "", zmq.SUB],
-    "endpoint": [lambda value: listener(endpoint=value), None, 0, "", "tcp://127.0.0.1:99999"],
-    "topic": [lambda value: listener(topic=value), None, 0, "", "pose/0", "pose/-1/"],
-    "timeout": [lambda value: listener(timeout=value), 0, -1, NAN, ""],
-    "a": [lambda value: POSE.angle(value, 1, 2), None, -1, NAN, "", 33],
-    "a ": [lambda value: NOBODY.angle(value, 1, 2), 0],
-    "c": [lambda value: POSE.angle(0, 1, value), None, 33],
-    "message": [body_listener.parse, None, 0, b"pose"],
-    "path": [people.read, None, 0, NAN],
-    "path ": [lambda value: people.write(value, []), None, 0, NAN],
-    "seconds": [lambda value: people.write("never.csv", [(value, [])]), None, NAN, ""],
-    "landmarks": [lambda value: people.write("never.csv", [(0.0, [value])]), [(0.0,) * 4], [(0.0,) * 4] * 21],
-    "pictures": [lambda value: next(people.play(value)), None, 0, "", []],
-    "device": [lambda value: next(camera.watch(value, "m.task", 1)), None, -1, NAN, ""],
-    "model": [lambda value: next(camera.watch(0, value, 1)), None, 0],
-    "persons": [lambda value: next(camera.watch(0, "m.task", value)), None, 0, -1, NAN, ""],
-    "hands": [lambda value: next(camera.watch(0, "m.task", 1, value)), 0, NAN],
-}
-
-
-@pytest.mark.parametrize(
-    ("name", "call", "value"),
-    [(name, call, value) for name, (call, *values) in WRONG.items() for value in values],
-    ids=lambda value: None if callable(value) else f"{value!r:.20}",
-)
-def test_what_a_method_cannot_use_is_named(name, call, value, monkeypatch, tmp_path):
+def test_what_a_method_cannot_use_is_named(context, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
-    with pytest.raises((ValueError, TypeError), match=rf"\b{name.strip()}\b") as caught:
-        call(value)
-    assert "\n" not in str(caught.value)
+    pose, nobody = (body_listener.parse(message(1, body)) for body in (WALK[0][1][0], []))
+
+    def listener(endpoint="tcp://127.0.0.1:1", topic="pose/0/", timeout=1.0, **how):
+        with body_listener.BodyListener(endpoint, topic, **how) as listener:
+            listener.receive(timeout)
+
+    table: list[Any] = [
+        ("socket", lambda value: listener(socket=value), 0, zmq.SUB),
+        ("endpoint", listener, None, "tcp://127.0.0.1:99999"),
+        ("topic", lambda value: listener(topic=value), None, "pose/0", "pose/-1/"),
+        ("timeout", lambda value: listener(timeout=value), 0, NAN),
+        ("a", lambda value: pose.angle(value, 1, 2), None, -1, NAN, 33),
+        ("a", lambda value: nobody.angle(value, 1, 2), 0),
+        ("c", lambda value: pose.angle(0, 1, value), None, 33),
+        ("message", body_listener.parse, None, b"pose"),
+        ("path", people.read, None),
+        ("path", lambda value: people.write(value, []), None),
+        ("seconds", lambda value: people.write("never.csv", [(value, [])]), None, NAN),
+        ("landmarks", lambda value: people.write("never.csv", [(0.0, [value])]), [(0.0,) * 4], [(0.0,) * 4] * 21),
+        ("pictures", lambda value: next(people.play(value)), None, []),
+        ("device", lambda value: next(camera.watch(value, "m.task", 1)), None, -1, NAN, ""),
+        ("model", lambda value: next(camera.watch(0, value, 1)), None),
+        ("persons", lambda value: next(camera.watch(0, "m.task", value)), None, 0),
+        ("hands", lambda value: next(camera.watch(0, "m.task", 1, value)), 0),
+    ]
+    for name, call, *values in table:
+        for value in values:
+            with pytest.raises((ValueError, TypeError), match=rf"\b{name}\b") as caught:
+                call(value)
+            assert "\n" not in str(caught.value)

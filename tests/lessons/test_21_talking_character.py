@@ -136,7 +136,7 @@ public class Visitor : TalkingCharacter
 
 
 def test_in_unity_a_game_asks_what_it_likes_and_to_walk_away_is_a_distance(serve, start, console, netmq, tmp_path):
-    """What it asks next ends what was asked before."""
+    """Its next question ends the one before."""
     (tmp_path / "Visitor.cs").write_text(VISITOR, encoding="utf-8")
     scripts = dotnet.build(netmq, dotnet.OWN_SCRIPTS, [tmp_path / "Visitor.cs"])
     server, endpoint = serve(KEY, "--delay", "0.2")
@@ -162,7 +162,7 @@ def test_in_unity_a_game_asks_what_it_likes_and_to_walk_away_is_a_distance(serve
 
 SPOKEN = [
     ("feedback", "A dog"),
-    # What was between them is lost.
+    # All that was between them is lost.
     ("feedback", "A dog \x1b[2Jbarks.\n\nAt the \u202emoon? Yes,"),
     ("feedback", "A dog \x1b[2Jbarks.\n\nAt the \u202emoon? Yes, \U0001f600 e.g. this one."),
 ]
@@ -214,7 +214,7 @@ def test_what_was_lost_is_in_the_next_one(kind, stage, runs):
 # Ollama, by a small server that speaks as its documentation says
 
 
-# What models do that do not speak, as ollama/ollama#14793 shows it.
+# Models that do not speak do this, as ollama/ollama#14793 shows it.
 SILENT: dict[str, list[dict[str, Any]]] = {
     "thinking": [{"thinking": "hmm "}] * 50,
     "tool_calls": [{"content": None, "tool_calls": [{"function": {"name": "look", "arguments": {}}}]}],
@@ -224,8 +224,11 @@ SILENT: dict[str, list[dict[str, Any]]] = {
 }
 
 
+NOT_FOUND = {"missing": b'{"error":"model \'tiny\' not found"}', "page": b"<html>not found</html>"}
+
+
 class Ollama(BaseHTTPRequestHandler):
-    """What it does is what the prompt says."""
+    """The prompt says what it does."""
 
     asked: ClassVar[list] = []
     gone = threading.Event()
@@ -234,12 +237,11 @@ class Ollama(BaseHTTPRequestHandler):
         request = json.loads(self.rfile.read(int(self.headers["Content-Length"])))
         self.asked.append((self.path, request))
         what = request["messages"][-1]["content"]
-        if what in ("missing", "page"):
-            body = b'{"error":"model \'tiny\' not found"}' if what == "missing" else b"<html>not found</html>"
+        if what in NOT_FOUND:
             self.send_response(404)
-            self.send_header("Content-Length", str(len(body)))
             self.end_headers()
-            self.wfile.write(body)
+            self.wfile.write(NOT_FOUND[what])
+            self.close_connection = True
             return
         self.send_response(200)
         self.send_header("Transfer-Encoding", "chunked")
@@ -251,35 +253,30 @@ class Ollama(BaseHTTPRequestHandler):
         self.close_connection = True
 
     def speak(self, what):
-        if what in SILENT:
-            for message in SILENT[what]:
-                self.line({"message": {"role": "assistant", "content": "", **message}, "done": False})
-            self.line({"message": {"role": "assistant", "content": ""}, "done": True, "done_reason": "length"})
-            self.wfile.write(b"0\r\n\r\n")
-            return
-        if what == "tagged":
-            for piece in ("\n<thi", "nk> Who", " is it?\n</th", "ink>\n\n"):
-                self.line({"message": {"role": "assistant", "content": piece}, "done": False})
-            what = "whole"
-        for piece in ("Once", " there", " was a river."):
-            self.line({"message": {"role": "assistant", "content": piece}, "done": False})
+        tagged = ["\n<thi", "nk> Who", " is it?\n</th", "ink>\n\n"] if what == "tagged" else []
+        aloud = [{"content": piece} for piece in (*tagged, "Once", " there", " was a river.")]
+        for message in SILENT.get(what, aloud):
+            self.message(**message)
         if what == "error":
             self.line({"error": "an error was encountered while running the model"})
         if what == "list":
             self.line([1])
         if what == "long":
             for _ in range(60):
-                self.line({"message": {"role": "assistant", "content": "\U0001f600" * 100}, "done": False})
+                self.message("\U0001f600" * 100)
         while what == "endless":
-            self.line({"message": {"role": "assistant", "content": " and"}, "done": False})
+            self.message(" and")
             self.gone.wait(0.01)
         if what == "silent":
             # Until the other side closes.
             self.connection.recv(1)
             self.gone.set()
-        if what == "whole":
-            self.line({"message": {"role": "assistant", "content": ""}, "done": True, "done_reason": "stop"})
+        if what in ("whole", "tagged", *SILENT):
+            self.message(done=True)
             self.wfile.write(b"0\r\n\r\n")
+
+    def message(self, content="", done=False, **more):
+        self.line({"message": {"role": "assistant", "content": content, **more}, "done": done})
 
     def line(self, news):
         text = json.dumps(news).encode() + b"\n"
@@ -351,52 +348,31 @@ def test_walking_away_stops_the_model(what, ollama):
     assert "Traceback" not in server.output
 
 
-def test_an_ollama_that_is_away_is_named_with_the_cure():
+def test_an_ollama_that_is_not_there_is_named(runs):
     url = f"http://127.0.0.1:{free_port()}"
     with pytest.raises(WorkError) as error:
         next(ollama_talk(1, b"", "?", url=url, model="x"))
     assert str(error.value) == f"no connection with {url} (Connection refused): start Ollama: ollama serve"
-
-
-def test_an_address_that_is_none_is_wrong_usage(runs):
     urls = ["127.0.0.1:11434", "ftp://x", "http://", "http://x:99999"]
     for url, run in zip(urls, runs("server", KEY, [["--ollama", url] for url in urls]), strict=True):
         assert run.code == 2
         assert run.lines[-1].endswith(f"bad address '{url}': write it like http://127.0.0.1:11434")
 
 
-# What a method cannot use
-
-NAN = float("nan")
-WRONG = {
-    "client": [lambda value, client: ask(value, "Who are you?", 200), None, 0, ""],
-    "prompt": [lambda value, client: ask(client, value, 200), None, 0, NAN, "", "x" * 1001],
-    "most": [lambda value, client: ask(client, "Who are you?", value), None, 0, -1, NAN, "", 0.5],
-    "news": [lambda value, client: Speech().hear(value), None, 0, ""],
-    "line": [lambda value, client: Speech().say(value), None, 0, NAN],
-    "result": [lambda value, client: Speech().outcome(value), None, 0, ""],
-    "address": [
-        lambda value, client: next(ollama_talk(1, b"", "?", url=value, model="x")),
-        None,
-        0,
-        NAN,
-        "",
-        "ftp://x",
-        "http://x:0",
-    ],
-    "model": [lambda value, client: next(ollama_talk(1, b"", "?", url="http://x", model=value)), None, 0, NAN, ""],
-}
-
-
-@pytest.mark.parametrize(
-    ("name", "call", "value"),
-    [(name, call, value) for name, (call, *values) in WRONG.items() for value in values],
-    ids=lambda value: None if callable(value) else f"{value!r:.20}",
-)
-def test_what_a_method_cannot_use_is_named(name, call, value, context):
-    with (
-        JobClient("tcp://127.0.0.1:1", context=context) as client,
-        pytest.raises((ValueError, TypeError), match=rf"\b{name}\b") as caught,
-    ):
-        call(value, client)
-    assert "\n" not in str(caught.value)
+def test_what_a_method_cannot_use_is_named(context):
+    with JobClient("tcp://127.0.0.1:1", context=context) as client:
+        table: list[Any] = [
+            ("client", lambda value: ask(value, "Who are you?", 200), None),
+            ("prompt", lambda value: ask(client, value, 200), None, "", "x" * 1001),
+            ("most", lambda value: ask(client, "Who are you?", value), 0),
+            ("news", Speech().hear, None),
+            ("line", Speech().say, None),
+            ("result", Speech().outcome, None),
+            ("address", lambda value: next(ollama_talk(1, b"", "?", url=value, model="x")), None, "http://x:0"),
+            ("model", lambda value: next(ollama_talk(1, b"", "?", url="http://x", model=value)), None, ""),
+        ]
+        for name, call, *values in table:
+            for value in values:
+                with pytest.raises((ValueError, TypeError), match=rf"\b{name}\b") as caught:
+                    call(value)
+                assert "\n" not in str(caught.value)

@@ -1,10 +1,13 @@
 """A package that is missing is named with its cure."""
 
 import importlib
+import re
+import sys
 
 import pytest
 
 from netmq_example.extras import importing, without
+from tests.programs import EACH_RUN, ROOT, InTurn
 
 
 def needed(module):
@@ -23,3 +26,21 @@ def test_a_package_that_is_there_and_broken_is_not_to_be_installed(tmp_path, mon
         needed("nosuchpackage.part")
     with pytest.raises(SystemExit, match=r"^another ABI: see its page: this lesson needs it$"), importing("it"):
         needed("brokenpackage")
+
+
+# As if all that a program needs besides pyzmq were not installed.
+ABSENT = """
+import sys
+for name in ("numpy", "gymnasium", "pettingzoo", "PIL", "aiohttp", "socketio", "ray", "av", "mediapipe", "cv2"):
+    sys.modules[name] = None
+"""
+PROGRAMS = sorted(ROOT.glob("python/[0-9]*/*.py"))
+
+
+def test_a_program_without_what_it_needs_says_what_is_missing():
+    with InTurn([sys.executable, "-c", ABSENT + EACH_RUN]) as run:
+        for path in PROGRAMS:
+            if "__main__" in (text := path.read_text(encoding="utf-8")):
+                code, lines = run(path, "--help")
+                said = len(lines) == 1 and bool(re.fullmatch(r"[^:]+: this lesson needs .+", lines[0]))
+                assert said == (code == 1) == ("importing(" in text), (path, code, lines)

@@ -52,7 +52,7 @@ class Chromium:
         words += ["--disable-dev-shm-usage", "--disable-gpu", *(["--no-sandbox"] if os.geteuid() == 0 else [])]
         renumber = [sys.executable, "-c", RENUMBER, str(from_us), str(to_us)]
         command, nothing = [*renumber, find(), *words, "about:blank"], subprocess.DEVNULL
-        # What it keeps beside its profile, it keeps there as well.
+        # Its other files go there as well.
         own = {**os.environ, "XDG_CONFIG_HOME": self.profile.name, "XDG_CACHE_HOME": self.profile.name}
         self.process = subprocess.Popen(
             command, pass_fds=(from_us, to_us), stdin=nothing, stdout=nothing, stderr=nothing, env=own
@@ -161,7 +161,7 @@ class Page:
         return value
 
     def text(self, selector):
-        """What a reader sees of an element."""
+        """The text of an element as a reader sees it."""
         return self.evaluate(f"document.querySelector({json.dumps(selector)}).innerText")
 
     def click(self, selector):
@@ -195,7 +195,7 @@ class Page:
         return self.call("Runtime.getHeapUsage")["usedSize"]
 
     def picture(self, path):
-        """What the page looks like, as a PNG file."""
+        """The page as it looks, in a PNG file."""
         Path(path).write_bytes(base64.b64decode(self.call("Page.captureScreenshot", format="png")["data"]))
 
     def close(self):

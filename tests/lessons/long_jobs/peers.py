@@ -1,4 +1,4 @@
-"""What the tests of lesson 14 have in common: clients that are not the kit's, and a server that comes back."""
+"""The tests of lesson 14 have these in common: clients that are not the kit's, and a server that comes back."""
 
 from __future__ import annotations
 
