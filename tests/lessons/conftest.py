@@ -1,6 +1,5 @@
-"""What the lessons' tests share: a context for peers that are not the kit's, one request of such a peer, and a server
-of that kind; the C# side of lesson 05's messages without a client around it; and environments, with the simulators
-that they launch, or that answer in the test's own process.
+"""The lessons' tests share peers that are not the kit's, the C# side of lesson 05's messages without a client around
+it, and environments, with the simulators that they launch, or that answer in the test's own process.
 """
 
 import contextlib
@@ -20,8 +19,33 @@ from tests.programs import LIMIT, ROOT
 
 @pytest.fixture
 def context():
+    """Its sockets leave at once, whatever they have not sent."""
     with zmq.Context() as context:
+        context.linger = 0
         yield context
+
+
+def bind(socket, endpoint="tcp://127.0.0.1:*"):
+    """Let it listen: where that is."""
+    socket.bind(endpoint)
+    return socket.last_endpoint.decode()
+
+
+@pytest.fixture
+def connect(context):
+    """connect(endpoint): a client that is not the kit's. A message for which it would wait for ever fails the test."""
+    with contextlib.ExitStack() as stack:
+
+        def connect(endpoint, kind=zmq.DEALER, subscribe=None):
+            client = stack.enter_context(context.socket(kind))
+            client.sndhwm = client.rcvhwm = 0
+            client.rcvtimeo = int(1000 * LIMIT)
+            if subscribe is not None:
+                client.subscribe(subscribe)
+            client.connect(endpoint)
+            return client
+
+        yield connect
 
 
 @pytest.fixture
@@ -46,6 +70,17 @@ def messages_program(checks):
     return ["dotnet", checks, "messages"]
 
 
+@pytest.fixture
+def game(start, request):
+    """game(): a C# program that serves, and its endpoint. Its answers are in tests/lessons/checks/ServerChecks.cs."""
+
+    def game(*words):
+        server = start("dotnet", request.getfixturevalue("checks"), "server", "serve", *words)
+        return server, server.wait_for(r"^listening on (tcp://127\.0\.0\.1:\d+)$")[1]
+
+    return game
+
+
 @pytest.fixture(scope="module")
 def machines():
     if not shutil.which("ip"):
@@ -62,7 +97,6 @@ def machines():
 def ask(context, endpoint, *frames, kind=zmq.REQ):
     """One request of a client that is not the kit's; the reply's frames."""
     with context.socket(kind) as asker:
-        asker.linger = 0
         asker.connect(endpoint)
         asker.send_multipart(frames)
         assert asker.poll(100_000), f"no reply to {frames!r:.80}"
@@ -81,8 +115,7 @@ def answering(context, answer):
                     rep.send_multipart(answer(rep.recv_multipart()))
 
     rep = context.socket(zmq.REP)
-    rep.linger = 0
-    endpoint = f"tcp://127.0.0.1:{rep.bind_to_random_port('tcp://127.0.0.1')}"
+    endpoint = bind(rep)
     thread = threading.Thread(target=serve)
     thread.start()
     try:

@@ -460,25 +460,6 @@ def test_what_the_server_answers(serve, context):
 # --- a game that serves: unity/Assets/NetMQExample/04_background_client/Server.cs
 
 
-@pytest.fixture
-def game(start, checks):
-    """game(): a C# program that serves, and its endpoint. Its answers are in tests/lessons/checks/ServerChecks.cs."""
-
-    def game(*words):
-        server = start("dotnet", checks, "server", "serve", *words)
-        return server, server.wait_for(r"^listening on (tcp://127\.0\.0\.1:\d+)$")[1]
-
-    return game
-
-
-@pytest.mark.parametrize("side", ["python", "csharp"])
-def test_a_game_answers_every_client(side, game, run):
-    _, endpoint = game()
-    for key in "01_request_reply", "02_lazy_pirate", KEY, "06_many_in_flight":
-        done = run(side, key, "--endpoint", endpoint, "--count", "2", "--text", "echo größer", "--timeout", "60")
-        assert "2: sent echo größer, received größer" in done.lines, (key, done)
-
-
 def test_a_game_does_nothing_twice_and_says_what_is_wrong(game, context):
     server, endpoint = game()
     with context.socket(zmq.DEALER) as one, context.socket(zmq.DEALER) as other, context.socket(zmq.REQ) as req:
