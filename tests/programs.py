@@ -283,3 +283,8 @@ class Program(programs.Program):
         self.process.kill()
         self.process.wait()
         self.reader.join(LIMIT)
+
+
+def places(server: Program) -> dict[str, str]:
+    """All endpoints where a server listens: {"listening": …, "snapshots": …}."""
+    return dict(re.findall(r"^(\w+) on ((?:tcp|http)://\S+)$", server.output, re.MULTILINE))

@@ -299,18 +299,6 @@ def test_a_callback_that_asks_again_does_not_make_one_frame_last_for_ever():
         assert len(ends) == 1
 
 
-def test_a_wrong_request_to_the_python_client_takes_no_place():
-    """It is named where it is made, and not a frame later."""
-    with contextlib.closing(BackgroundClient("tcp://127.0.0.1:5554", capacity=1)) as client:
-        for number, name in enumerate(("text", "reply", "error")):
-            for value in (None, 0, b"hello"):
-                words = ["hello", print, print]
-                words[number] = value
-                with pytest.raises(TypeError, match=f"^{name} takes a "):
-                    client.request(*words)
-        assert client.under_way == 0
-
-
 def test_a_python_client_that_nobody_polls_says_so_once(serve, caplog):
     client = BackgroundClient(serve(KEY)[1])
     heard = []
@@ -323,16 +311,6 @@ def test_a_python_client_that_nobody_polls_says_so_once(serve, caplog):
     client.close()
     assert heard == ["world"] * 2
     assert [line.partition(":")[0] for line in caplog.messages] == ["BackgroundClient"]
-
-
-def test_an_endpoint_that_libzmq_cannot_use_is_the_error_of_a_request():
-    errors = []
-    with contextlib.closing(BackgroundClient("nonsense://x")) as client:
-        for number in (1, 2):
-            client.request("hello", errors.append, errors.append)
-            while len(errors) < number:
-                client.poll()
-    assert [zmq.strerror(zmq.EPROTONOSUPPORT) in error for error in errors] == [True, True]
 
 
 # --- and in C#

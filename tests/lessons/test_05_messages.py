@@ -15,7 +15,6 @@ import zmq
 from netmq_example import messages
 from netmq_example.errors import Refused
 from netmq_example.messages import Array, Message, MessageError
-from tests.bad_peers import ProtocolBreaker
 from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.conftest import answering, ask
 from tests.programs import PATIENT, ROOT, finished, steady_endpoint
@@ -383,18 +382,6 @@ def test_an_odd_reply_ends_in_one_line(kind, context, runs):
         assert says in run.lines[1].replace("\\u001b", "\\x1b"), name
         assert len(run.lines) == (2 if code else 3), (name, run)
         assert not re.search(r"[\x00-\x1f\x7f]|Traceback|Unhandled", "".join(run.lines)), (name, run)
-
-
-@pytest.mark.parametrize("kind", ["python", "csharp"])
-def test_a_server_that_breaks_the_connection_does_not_hold_a_client(kind, start, client_command):
-    """After such bytes libzmq connects no more, and a send without a limit would wait for ever."""
-    with ProtocolBreaker(lambda frames: Message("ok", 1, {"a": 1}).frames()) as breaker:
-        client = start(*client_command(kind, KEY, breaker.endpoint, "--count", "3", "--timeout", "5"))
-        code = client.wait()
-    assert client.lines[1] == "1: sent frame 1, 230400 bytes; brightest at a 1"
-    # NetMQ does connect to such a peer again.
-    end = ["done: 3 replies", f"gave up: no reply from {breaker.endpoint} within 5 s; is the server running, or "][code]
-    assert client.lines[-1].startswith(end), client.output
 
 
 def test_in_unity_a_server_that_was_restarted_is_found_again(serve, start, client_command):

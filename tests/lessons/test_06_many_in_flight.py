@@ -303,32 +303,6 @@ def test_against_a_server_by_hand(side, context, runs):
 # The Python client in code
 
 
-def test_requests_that_are_no_texts_are_named(context):
-    with ManyRequester(steady_endpoint(), context=context) as requester:
-        # A text alone would be a request for each of its letters.
-        for texts in (None, 5, "echo one", [None], [b"echo one"]):
-            with pytest.raises(TypeError, match=r"^texts takes a "):
-                next(requester.request_many(texts))
-        # One that is sent, and left alone.
-        left = requester.request_many(["echo one", "ü" * 32_769])
-        assert next(left)[0] == 2
-        del left
-        # Nothing is sent of these, and nothing waited for.
-        outcomes = list(requester.request_many(["ü" * 32_769] * 100))
-    assert [number for number, _, _ in outcomes] == list(range(1, 101))
-    assert {str(error) for _, _, error in outcomes} == {"not sent: 65538 bytes, and the limit is 65536"}
-
-
-def test_two_iterations_of_one_requester_take_nothing_from_each_other(context):
-    with ManyRequester(steady_endpoint(), context=context) as requester:
-        left = requester.request_many(["ü" * 32_769, "echo one"])
-        assert next(left)[0] == 1
-        with pytest.raises(RuntimeError, match=r"^this ManyRequester has not ended what it does: wait "):
-            next(requester.request_many(["echo two"]))
-        del left
-        assert [number for number, _, _ in requester.request_many(["ü" * 32_769])] == [1]
-
-
 def test_a_caller_that_takes_its_time_gets_every_reply(context, monkeypatch):
     now = [0.0]
     monkeypatch.setattr(many_requester, "time", SimpleNamespace(monotonic=lambda: now[0]))
@@ -346,28 +320,6 @@ def test_a_caller_that_takes_its_time_gets_every_reply(context, monkeypatch):
             # The caller was busy so long.
             now[0] += 60
             assert [*outcomes] == [(2, "B", None)]
-
-
-def test_an_endpoint_that_libzmq_cannot_use_hangs_nothing():
-    with zmq.Context() as context, pytest.raises(zmq.ZMQError):
-        ManyRequester("nonsense://x", context=context)
-
-
-def test_worker_threads_take_only_bytes():
-    for request in (None, "text"):
-        with pytest.raises(TypeError, match=r"^request takes a bytes, not "):
-            WorkerThreads(1, str).begin("key", request)
-
-
-def test_what_is_closed_says_so(context):
-    requester = ManyRequester(steady_endpoint(), context=context)
-    requester.close()
-    with pytest.raises(ValueError, match=r"^this requester is closed: make a new one$"):
-        next(requester.request_many(["echo one"]))
-    ended = zmq.Context()
-    ended.term()
-    with pytest.raises(ValueError, match=r"^context is closed: make a new one$"):
-        ManyRequester(steady_endpoint(), context=ended)
 
 
 def test_worker_threads_that_are_closed_end():

@@ -11,7 +11,6 @@ import zmq
 
 from netmq_example.errors import Error
 from netmq_example.pose_stream import PoseSubscriber
-from tests.bad_peers import SlowLine
 from tests.conftest import CLIENTS
 from tests.lessons.conftest import answering, ask
 from tests.programs import LIMIT, PATIENT, free_port, steady_endpoint, two_ports
@@ -353,16 +352,6 @@ def test_the_wrong_server_first_and_then_the_right_one(kind, context, follow):
     fake.close()
     assert client.wait() == 0, client.output
     assert client.wait_for(DONE)[1] == "3"
-
-
-@pytest.mark.parametrize("kind", TERMINAL)
-def test_a_far_publisher_is_followed(kind, publish, follow):
-    """With a round trip of 400 ms, and the timeout that the client has when nobody sets it."""
-    _, endpoint, snapshots = publish()
-    with SlowLine(endpoint, 0.4) as far, SlowLine(snapshots, 0.4) as far_snapshots:
-        client = follow(kind, far.endpoint, far_snapshots.endpoint, "--count", "5")
-        assert client.wait() == 0, client.output
-    assert client.wait_for(DONE)[1] == "5"
 
 
 # The server by itself

@@ -110,11 +110,3 @@ def test_a_try_that_failed_leaves_no_socket():
         socket = one.socket
         one.fail(Timeout("no reply"))
         assert socket.closed and one.socket is None
-
-
-def test_a_context_of_zmq_asyncio_is_refused_with_the_cure():
-    with (
-        zmq.asyncio.Context() as context,
-        pytest.raises(TypeError, match=r"^context is one of zmq.asyncio: take one of"),
-    ):
-        DriverClient("tcp://127.0.0.1:5558", context=context)

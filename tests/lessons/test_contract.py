@@ -18,7 +18,7 @@ import zmq
 from kitlib.lessons import Lesson, lessons
 from tests.bad_peers import NetMQsFault, cuts_off_what_is_endless
 from tests.conftest import PYTHON
-from tests.programs import PATIENT, ROOT, finished, free_port
+from tests.programs import PATIENT, ROOT, finished, free_port, places
 
 sys.path.append(str(ROOT / "python" / "15_security"))
 from netmq_example import Server
@@ -149,11 +149,6 @@ def give_keys(key, folder, peer, server):
             peer.curve_server = True
         else:
             peer.curve_serverkey = keys.load(folder / "keys" / "server.key")[0]
-
-
-def places(server):
-    """Where a server listens, all its endpoints: {"listening": …, "snapshots": …}."""
-    return dict(re.findall(r"^(\w+) on ((?:tcp|http)://\S+)$", server.output, re.MULTILINE))
 
 
 @contextlib.contextmanager

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import contextlib
+from concurrent.futures import ThreadPoolExecutor
+
 import pytest
 import zmq
 import zmq.asyncio
 
 from netmq_example.background_client import BackgroundClient
+from netmq_example.camera.client import DriverClient
+from netmq_example.errors import Closed, MessageError
 from netmq_example.jobs.client import JobClient
 from netmq_example.lazy_pirate import LazyPirate
 from netmq_example.many_requester import ManyRequester
 from netmq_example.message_requester import MessageRequester
+from netmq_example.messages import Message
 from netmq_example.pose_stream import PoseSubscriber, snapshots_beside
 from netmq_example.publisher import Publisher
 from netmq_example.security.requester import SecureRequester
@@ -19,6 +25,7 @@ from netmq_example.side_channel.carrier import Carrier, ClientCarrier
 from netmq_example.side_channel.side_channel_manager import SideChannelManager
 from netmq_example.topic_listener import TopicListener
 from netmq_example.worker_threads import WorkerThreads
+from tests.programs import LIMIT
 
 NAN, INFINITE = float("nan"), float("inf")
 WHOLE: list[object] = [None, 0, -1, NAN, 1.5, ""]
@@ -77,14 +84,132 @@ def test_what_only_one_of_them_refuses(context):
                 make()
 
 
+# Each is asked so, by what goes.
+ASKS = {
+    LazyPirate: lambda it, text="hello": it.request(text),
+    BackgroundClient: lambda it, text="hello": it.submit(text).result(LIMIT),
+    MessageRequester: lambda it: it.request(Message("look")),
+    ManyRequester: lambda it, text="hello": next(it.request_many([text])),
+    Publisher: lambda it, text="hello": it.send("a/", text),
+    Server: lambda it: it.run(),
+    WorkerThreads: lambda it, text=b"hello": it.begin("key", text),
+}
+
+
+def made(kind, context):
+    return next(kind(**right) for each, right, _ in needs(context, None) if each is kind)
+
+
+def test_a_request_that_cannot_be_sent_is_refused_at_once(context):
+    for kind in (LazyPirate, BackgroundClient, ManyRequester, WorkerThreads):
+        with contextlib.closing(made(kind, context)) as it:
+            for wrong in (None, 0, "text" if kind is WorkerThreads else b"bytes"):
+                with pytest.raises(TypeError, match=r"^(text|texts|request) takes a "):
+                    ASKS[kind](it, wrong)
+    for kind in (LazyPirate, BackgroundClient, Publisher):
+        with (
+            made(kind, context) as it,
+            pytest.raises(MessageError, match=r"a (text|frame) of \d+ bytes, more than 65536"),
+        ):
+            ASKS[kind](it, "x" * 65_537)
+    with ManyRequester(WHERE) as requester:
+        # A text alone would be a request for each of its letters.
+        for texts in (None, 5, "echo one"):
+            with pytest.raises(TypeError, match=r"^texts takes a "):
+                next(requester.request_many(texts))
+        # One that is sent, and left alone. Nothing is sent of the others, and nothing waited for.
+        left = requester.request_many(["echo one", "ü" * 32_769])
+        assert next(left).number == 2
+        del left
+        outcomes = list(requester.request_many(["ü" * 32_769] * 100))
+        assert [number for number, _, _ in outcomes] == list(range(1, 101))
+        assert {str(error) for _, _, error in outcomes} == {"not sent: 65538 bytes, and the limit is 65536"}
+    with BackgroundClient(WHERE, capacity=1) as client:
+        for words in [("hello", None, print), ("hello", print, b"error"), (0, print, print)]:
+            with pytest.raises(TypeError, match=r"^(text|reply|error) takes a "):
+                client.request(*words)
+        assert client.under_way == 0, "a wrong request takes no place"
+
+
+def test_what_is_closed_says_so(context):
+    for kind, ask in ASKS.items():
+        it = made(kind, context)
+        it.close()
+        it.close()
+        with pytest.raises((Closed, ValueError), match=r"^th(is|e) [\w ]+ (is|was) closed"):
+            ask(it)
+    sub = context.socket(zmq.SUB)
+    listener = TopicListener(WHERE, socket=sub)
+    sub.close()
+    ended = zmq.Context()
+    pirate = LazyPirate(WHERE, tries=1, timeout=0.1, context=ended)
+    with pytest.raises(TimeoutError, match=r"^1 try to ask "):
+        pirate.request("add 1")
+    ended.term()
+    for use in (
+        lambda: listener.receive(1),
+        lambda: listener.newest(1),
+        lambda: TopicListener(WHERE, socket=sub),
+        lambda: pirate.request("add 1"),
+        lambda: LazyPirate(WHERE, context=ended),
+        lambda: ManyRequester(WHERE, context=ended),
+    ):
+        with pytest.raises(ValueError, match=r"^(this listener's socket|socket|context) is closed: make a new one$"):
+            use()
+
+
+def test_what_is_at_work_is_not_asked_beside(context):
+    """Two at once would read each other's replies."""
+    with ManyRequester(WHERE, context=context) as requester:
+        left = requester.request_many(["ü" * 32_769, "echo one"])
+        assert next(left).number == 1
+        with pytest.raises(RuntimeError, match=r"^this ManyRequester has not ended what it does: wait "):
+            next(requester.request_many(["echo two"]))
+        del left
+        assert [number for number, _, _ in requester.request_many(["ü" * 32_769])] == [1]
+    said = []
+
+    def ask_beside(line):
+        said.append(line)
+        if len(said) == 1:
+            with ThreadPoolExecutor(1) as pool:
+                said.append(pool.submit(pirate.request, "balance").exception(LIMIT))
+            pirate.stop()
+
+    pirate = LazyPirate(WHERE, timeout=0.1, tries=2, context=context)
+    pirate.report = ask_beside
+    with pytest.raises(Closed):
+        pirate.request("balance")
+    assert [type(each) for each in said] == [str, RuntimeError]
+    assert str(said[1]) == "this LazyPirate has not ended what it does: wait for that, or make a second LazyPirate"
+
+
+def test_an_endpoint_that_libzmq_cannot_use_hangs_nothing(context):
+    with pytest.raises(zmq.ZMQError):
+        ManyRequester("nonsense://x", context=context)
+    with BackgroundClient("nonsense://x") as client:
+        for _ in range(2):
+            with pytest.raises(zmq.ZMQError):
+                client.submit("hello").result(LIMIT)
+
+
 def test_what_is_of_zmq_asyncio_is_refused_with_the_cure():
     """Its classes derive from those of zmq, and a call of theirs would return a future."""
     with zmq.asyncio.Context() as context, context.socket(zmq.SUB) as sub, context.socket(zmq.ROUTER) as router:
         for make in (
-            lambda: LazyPirate(WHERE, context=context),
-            lambda: ManyRequester(WHERE, context=context),
-            lambda: SecureRequester(WHERE, context=context),
-            lambda: JobClient(WHERE, context=context),
+            *(
+                lambda kind=kind: kind(WHERE, context=context)
+                for kind in (
+                    BackgroundClient,
+                    DriverClient,
+                    JobClient,
+                    LazyPirate,
+                    ManyRequester,
+                    MessageRequester,
+                    SecureRequester,
+                    TopicListener,
+                )
+            ),
             lambda: ClientCarrier(context, WHERE),
             lambda: TopicListener(WHERE, socket=sub),
             lambda: PoseSubscriber(WHERE, stream=sub),
