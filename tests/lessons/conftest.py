@@ -4,6 +4,7 @@ it, and environments, with the simulators that they launch, or that answer in th
 
 import contextlib
 import logging
+import re
 import shutil
 import threading
 
@@ -123,6 +124,17 @@ def answering(context, answer):
     finally:
         over.set()
         thread.join()
+
+
+def on_the_circle(body, ahead):
+    """Where the pose after this one is, of lessons 03 and 07, if this one is where the one before it said."""
+    assert re.fullmatch(r"(-?\d\.\d{4} ){6}-?\d\.\d{4}", body), body
+    x, y, z, qx, qy, qz, qw = map(float, body.split(" "))
+    assert (x * x + z * z, y) == (pytest.approx(4, abs=0.01), 0)
+    assert qx * qx + qy * qy + qz * qz + qw * qw == pytest.approx(1, abs=0.001)
+    assert ahead is None or (x, z) == pytest.approx(ahead, abs=0.001)
+    # Unity's forward is (0, 0, 1) turned by the rotation.
+    return x + (qx * qz + qw * qy) / 15, z + (1 - 2 * (qx * qx + qy * qy)) / 30
 
 
 @pytest.fixture

@@ -17,6 +17,7 @@ from netmq_example import many_requester
 from netmq_example.many_requester import ManyRequester
 from netmq_example.worker_threads import WorkerThreads
 from tests.conftest import PYTHON
+from tests.lessons.conftest import bind
 from tests.programs import LIMIT, ROOT, steady_endpoint
 
 KEY = "06_many_in_flight"
@@ -30,21 +31,6 @@ def kinds(side):
 
 def sent(run):
     return [line for line in run.lines if "sent" in line]
-
-
-@pytest.fixture
-def connect(context):
-    """connect(endpoint): a client that is not the kit's."""
-    with contextlib.ExitStack() as stack:
-
-        def connect(endpoint, kind=zmq.DEALER):
-            client = stack.enter_context(context.socket(kind))
-            client.linger = 0
-            client.sndhwm = client.rcvhwm = 0
-            client.connect(endpoint)
-            return client
-
-        yield connect
 
 
 def receive(client, limit=LIMIT):
@@ -125,7 +111,7 @@ def test_a_client_that_is_started_again_is_given_no_answer_from_before(side, ser
 
 
 def asked(router, over):
-    """What the client sends from now on."""
+    """The client's requests from now on."""
     while not over.is_set():
         if router.poll(100):
             yield router.recv_multipart()
@@ -221,8 +207,7 @@ def too_large(router, endpoint, over):
     return ["1: sent echo a, received a"], []
 
 
-def bind(router, endpoint):
-    """As soon as nobody has that port any more."""
+def bind_when_free(router, endpoint):
     end = time.monotonic() + LIMIT
     while True:
         try:
@@ -249,7 +234,7 @@ def wrong_first(router, endpoint, over):
     for number in (b"1", b"2"):
         with router.context.socket(zmq.ROUTER) as right:
             right.linger = 1000
-            bind(right, endpoint)
+            bind_when_free(right, endpoint)
             while (request := receive(right))[1].split(b"-")[0] != number:
                 right.send_multipart([*request[:2], b"a"])
             right.send_multipart([*request[:2], b"a"])
@@ -282,7 +267,6 @@ def test_against_a_server_by_hand(side, context, runs):
         played, clients = [], []
         for play, words in SCENES.items():
             router = stack.enter_context(context.socket(zmq.ROUTER))
-            router.linger = 0
             endpoint = steady_endpoint()
             if play is not wrong_first:
                 router.bind(endpoint)
@@ -307,9 +291,7 @@ def test_a_caller_that_takes_its_time_gets_every_reply(context, monkeypatch):
     now = [0.0]
     monkeypatch.setattr(many_requester, "time", SimpleNamespace(monotonic=lambda: now[0]))
     with context.socket(zmq.ROUTER) as router, ThreadPoolExecutor(1) as pool:
-        router.linger = 0
-        endpoint = f"tcp://127.0.0.1:{router.bind_to_random_port('tcp://127.0.0.1')}"
-        with ManyRequester(endpoint, window=2, tries=1, context=context) as requester:
+        with ManyRequester(bind(router), window=2, tries=1, context=context) as requester:
             outcomes = requester.request_many(["a", "b"])
             first = pool.submit(next, outcomes)
             (*one, _), (*other, _) = receive(router), receive(router)
@@ -390,7 +372,7 @@ BAD = {
 }
 
 
-def test_what_the_server_answers_and_whom_it_refuses(serve, connect, context):
+def test_what_the_server_answers_and_whom_it_refuses(serve, connect):
     server, endpoint = serve(KEY)
     client, other = connect(endpoint), connect(endpoint)
     for name, frames in BAD.items():
@@ -420,16 +402,15 @@ def test_what_the_server_answers_and_whom_it_refuses(serve, connect, context):
         assert sorted(receive(client) for _ in range(64)) == sorted([b"%d" % i, b"slept 0"] for i in range(64))
 
     # A client that is gone locks nobody out.
-    with context.socket(zmq.DEALER) as leaver:
-        leaver.linger = 0
-        leaver.connect(endpoint)
-        for i in range(100):
-            leaver.send_multipart([b"%d" % i, b"sleep 60"])
-        # What is at work is known by its id, and not refused when it is asked for again.
-        leaver.send_multipart([b"0", b"sleep 60"])
-        leaver.send_multipart([b"last", b"echo a"])
-        # Nothing but refusals and the quick one: 64 are taken.
-        got = [receive(leaver) for _ in range(37)]
+    leaver = connect(endpoint)
+    for i in range(100):
+        leaver.send_multipart([b"%d" % i, b"sleep 60"])
+    # A request at work is known by its id, and not refused when it is asked for again.
+    leaver.send_multipart([b"0", b"sleep 60"])
+    leaver.send_multipart([b"last", b"echo a"])
+    # Nothing but refusals and the quick one: 64 are taken.
+    got = [receive(leaver) for _ in range(37)]
+    leaver.close()
     assert got == [[b"%d" % i, b"error: busy, try again later"] for i in range(64, 100)] + [[b"last", b"a"]]
     assert ask(other, b"1", b"echo hi") == [b"1", b"hi"]
     # There is room for others, too, up to 256 of all.

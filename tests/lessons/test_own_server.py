@@ -417,22 +417,29 @@ def test_a_context_has_one_allow_list(alice, context):
 def test_each_of_8_threads_gets_its_own_replies_at_any_switch_interval(each):
     """Replies that came to another request's callback were found so."""
     before = sys.getswitchinterval()
+    got: list[tuple[str, str]] = []
     with (
         Server(str.upper) as server,
-        BackgroundClient(server.endpoint, timeout=PATIENT, window=4) as client,
+        BackgroundClient(server.endpoint, timeout=PATIENT, window=4, capacity=8 * each) as client,
         ThreadPoolExecutor(8) as pool,
     ):
 
-        def futures(thread):
-            return [(f"a{thread}-{i}", client.submit(f"a{thread}-{i}")) for i in range(each)]
+        def ask(thread):
+            for number in range(each):
+                text = f"a{thread}-{number}"
+                assert client.request(text, lambda reply, text=text: got.append((text, reply)), print)
+                yield text, client.submit(text)
 
         sys.setswitchinterval(1e-6)
         try:
-            every = [pair for pairs in pool.map(futures, range(8)) for pair in pairs]
+            every = [pair for pairs in pool.map(lambda thread: [*ask(thread)], range(8)) for pair in pairs]
             assert all(future.result(LIMIT) == text.upper() for text, future in every)
         finally:
             sys.setswitchinterval(before)
-    assert len(every) == 8 * each
+        while client.under_way:
+            client.poll()
+    assert len(every) == len(got) == 8 * each
+    assert all(reply == text.upper() for text, reply in got)
 
 
 def test_a_request_is_taken_back_until_it_is_sent(work):

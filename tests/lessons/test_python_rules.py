@@ -53,6 +53,7 @@ def needs(context, sub):
         (LazyPirate, {"endpoint": WHERE}, ["context", "timeout", "tries"]),
         (ManyRequester, {"endpoint": WHERE}, ["context", "window", "timeout", "tries"]),
         (BackgroundClient, {"endpoint": WHERE}, ["context", "timeout", "tries", "window", "capacity"]),
+        (DriverClient, {"endpoint": WHERE}, ["context", "timeout", "tries"]),
         (MessageRequester, {"endpoint": WHERE}, ["context", "timeout", "tries"]),
         (Publisher, {"endpoint": "tcp://127.0.0.1:0"}, ["context"]),
         (Server, {"answer": str, "endpoint": "tcp://127.0.0.1:0"}, ["context"]),
