@@ -290,18 +290,21 @@ def test_against_a_server_by_hand(side, context, runs):
 def test_a_caller_that_takes_its_time_gets_every_reply(context, monkeypatch):
     now = [0.0]
     monkeypatch.setattr(many_requester, "time", SimpleNamespace(monotonic=lambda: now[0]))
-    with context.socket(zmq.ROUTER) as router, ThreadPoolExecutor(1) as pool:
-        with ManyRequester(bind(router), window=2, tries=1, context=context) as requester:
-            outcomes = requester.request_many(["a", "b"])
-            first = pool.submit(next, outcomes)
-            (*one, _), (*other, _) = receive(router), receive(router)
-            router.send_multipart([*one, b"A"])
-            assert first.result(LIMIT) == (1, "A", None)
-            router.send_multipart([*other, b"B"])
-            assert requester.socket.poll(LIMIT * 1000)
-            # The caller was busy so long.
-            now[0] += 60
-            assert [*outcomes] == [(2, "B", None)]
+    with (
+        context.socket(zmq.ROUTER) as router,
+        ManyRequester(bind(router), window=2, tries=1, context=context) as requester,
+        ThreadPoolExecutor(1) as pool,
+    ):
+        outcomes = requester.request_many(["a", "b"])
+        first = pool.submit(next, outcomes)
+        (*one, _), (*other, _) = receive(router), receive(router)
+        router.send_multipart([*one, b"A"])
+        assert first.result(LIMIT) == (1, "A", None)
+        router.send_multipart([*other, b"B"])
+        assert requester.socket.poll(LIMIT * 1000)
+        # The caller was busy so long.
+        now[0] += 60
+        assert [*outcomes] == [(2, "B", None)]
 
 
 def test_worker_threads_that_are_closed_end():
