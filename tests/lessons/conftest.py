@@ -37,10 +37,10 @@ def connect(context):
     """connect(endpoint): a client that is not the kit's. A message for which it would wait for ever fails the test."""
     with contextlib.ExitStack() as stack:
 
-        def connect(endpoint, kind=zmq.DEALER, subscribe=None):
+        def connect(endpoint, kind=zmq.DEALER, subscribe=None, **options):
             client = stack.enter_context(context.socket(kind))
-            client.sndhwm = client.rcvhwm = 0
-            client.rcvtimeo = int(1000 * LIMIT)
+            for name, value in {"sndhwm": 0, "rcvhwm": 0, "rcvtimeo": int(1000 * LIMIT), **options}.items():
+                setattr(client, name, value)
             if subscribe is not None:
                 client.subscribe(subscribe)
             client.connect(endpoint)

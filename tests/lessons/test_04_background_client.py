@@ -13,7 +13,6 @@ import time
 import pytest
 import zmq
 
-from kitlib.setup import dotnet
 from netmq_example.background_client import BackgroundClient
 from tests.bad_peers import Listener
 from tests.lessons.conftest import answering, bind
@@ -51,12 +50,11 @@ def until(true, *clients):
 
 
 @pytest.fixture
-def check(start, netmq):
+def check(start, checks):
     """check("Stop Randomly", endpoint) runs checks of tests/lessons/checks/BackgroundClientChecks.cs, in this order."""
 
     def check(names, endpoint, *more):
-        dll = dotnet.build(netmq, ROOT / "tests" / "lessons" / "checks")
-        return start("dotnet", dll, "background", *(f"{name}={endpoint}" for name in names.split()), *more)
+        return start("dotnet", checks, "background", *(f"{name}={endpoint}" for name in names.split()), *more)
 
     return check
 

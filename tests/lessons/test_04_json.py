@@ -6,12 +6,11 @@ import json
 import shutil
 
 import pytest
-import zmq
 
 from kitlib.docs import guide
-from kitlib.setup import dotnet
 from tests.conftest import PYTHON
-from tests.programs import LIMIT, ROOT
+from tests.lessons.conftest import ask
+from tests.programs import ROOT
 
 KEY = "04_background_client"
 OWN = guide.excerpt(f"python/{KEY}/server.py answer")
@@ -40,9 +39,8 @@ def answer(text):
 """
 
 
-def test_classes_of_ones_own_in_csharp(serve_own, start, netmq):
-    dll = dotnet.build(netmq, ROOT / "tests" / "lessons" / "checks")
-    program = start("dotnet", dll, "background", f"Ask={serve_own(TOLD)[1]}")
+def test_classes_of_ones_own_in_csharp(serve_own, start, checks):
+    program = start("dotnet", checks, "background", f"Ask={serve_own(TOLD)[1]}")
     assert program.wait() == 0, program.output
     assert program.lines == ["Ask: ok"]
 
@@ -82,18 +80,13 @@ ASKED = {
 
 def test_a_dict_in_and_a_dict_out_in_python(serve_own, context):
     server, endpoint = serve_own(JSON)
-    with context.socket(zmq.REQ) as asker:
-        asker.linger = 0
-        asker.connect(endpoint)
-        for id, (request, wanted) in enumerate(ASKED.items()):
-            # Asked twice, as by a retry.
-            for _ in range(2):
-                asker.send_multipart([b"%d" % id, request.encode()])
-                assert asker.poll(LIMIT * 1000), request
-                reply = asker.recv_multipart()[1].decode()
-                assert reply.startswith(wanted), reply
-                if reply[0] == "{":
-                    assert json.loads(reply) == json.loads(wanted)
+    for id, (request, wanted) in enumerate(ASKED.items()):
+        # Asked twice, as by a retry.
+        for _ in range(2):
+            reply = ask(context, endpoint, b"%d" % id, request.encode())[1].decode()
+            assert reply.startswith(wanted), reply
+            if reply[0] == "{":
+                assert json.loads(reply) == json.loads(wanted)
     server.wait_for(r"KeyError: 'mine'")
     # In one line, and how many there were meanwhile; only a mistake that is the answer's own has a traceback.
     assert "trouble: the request has no 'guest'; it has 'guset', 'place'" in server.lines

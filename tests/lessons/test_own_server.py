@@ -82,15 +82,6 @@ def server(request, work):
 # Server
 
 
-@pytest.mark.parametrize("kind", ["python", "csharp"])
-def test_with_messages_those_of_lesson_05_can(kind, run):
-    pytest.importorskip("numpy")
-    answer = lesson("05_messages").answer
-    with Server(answer, messages=True) as server:
-        done = run(kind, "05_messages", "--endpoint", server.endpoint, "--count", "2", "--timeout", "60")
-    assert done.lines[-1] == "done: 2 replies", done
-
-
 def lesson(key):
     """Its server's module."""
     sys.path.insert(0, str(ROOT / "python" / key))
