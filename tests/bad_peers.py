@@ -59,7 +59,7 @@ class Listener:
             self.serve(peer)
 
     def serve(self, peer):
-        """What a peer gets; it may end in an exception when the peer leaves."""
+        """Serve a peer; it may end in an exception when the peer leaves."""
 
     def __exit__(self, *_):
         for each in self.open:

@@ -1,4 +1,4 @@
-"""What every test shares: the real programs, started as processes and gone at the end of the test."""
+"""Every test shares these: the real programs, started as processes and gone at the end of the test."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ if sys.platform == "win32":
     signal.signal(signal.SIGBREAK, signal.default_int_handler)
 
 
-# What matplotlib and others keep would go into the home of who runs the tests.
+# Else matplotlib and others would keep their things in the user's home.
 KEPT = tempfile.TemporaryDirectory()
 os.environ.update(MPLCONFIGDIR=KEPT.name, XDG_CACHE_HOME=KEPT.name)
 

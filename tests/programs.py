@@ -107,7 +107,7 @@ class MovingName:
 
 
 def leaves_nothing_to_collect(cost: str) -> bool:
-    """What FrameCost has printed: no garbage that each frame makes. On a busy machine a queue grows now and then."""
+    """By the line of FrameCost: no frame makes garbage. On a busy machine a queue grows now and then."""
     frames, dirty = map(int, re.search(r"(\d+) frames: .* bytes allocated in (\d+) frames$", cost).groups())
     return dirty <= max(2, frames // 50)
 

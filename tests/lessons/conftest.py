@@ -3,9 +3,11 @@ it, and environments, with the simulators that they launch, or that answer in th
 """
 
 import contextlib
+import importlib
 import logging
 import re
 import shutil
+import sys
 import threading
 
 import pytest
@@ -14,6 +16,7 @@ import zmq
 from kitlib.setup import dotnet
 from netmq_example import console, records
 from netmq_example.messages import Message
+from tests.conftest import PYTHON
 from tests.machines import Machines
 from tests.programs import LIMIT, ROOT
 
@@ -69,6 +72,29 @@ def checks(netmq):
 def messages_program(checks):
     """The command of tests/lessons/checks/MessageChecks.cs."""
     return ["dotnet", checks, "messages"]
+
+
+def server_of(key):
+    """The module of this lesson's server."""
+    sys.path.insert(0, str(ROOT / "python" / key))
+    try:
+        return importlib.import_module("server")
+    finally:
+        sys.path.pop(0)
+        sys.modules.pop("server", None)
+
+
+@pytest.fixture
+def serve_own(start, tmp_path):
+    """serve_own("04_background_client", "def answer(text): …"): a lesson's server with an answer of one's own."""
+
+    def serve_own(key, answer, *words):
+        (tmp_path / "own.py").write_text(f"import server\n{answer}\nserver.answer = answer\nserver.main()\n")
+        words = ["--endpoint", "tcp://127.0.0.1:0", *words]
+        server = start(PYTHON, tmp_path / "own.py", *words, folder=tmp_path, PYTHONPATH=str(ROOT / "python" / key))
+        return server, server.wait_for(r"^listening on (\S+)")[1]
+
+    return serve_own
 
 
 @pytest.fixture

@@ -109,7 +109,7 @@ def test_a_bad_request_gets_an_error_and_the_next_one_an_answer(serve, context):
         # The second and the third as the clients of older tutorials send it.
         for hello in b"Hello", b"Hello\0", b"Hello ":
             assert ask(context, endpoint, hello) == [b"World"], name
-    # Whoever asked knows it: a flood of bad requests is no flood of lines.
+    # The client knows it: a flood of bad requests is no flood of lines.
     for _ in range(20):
         assert ask(context, endpoint, b"\x1b[2J") == [rb"error: expected Hello, got '\x1b[2J'"]
     assert ask(context, endpoint, b"Hello") == [b"World"]
@@ -139,7 +139,7 @@ def test_a_busy_server_ends_at_once(serve, context):
 
 
 def shown(text):
-    """What the clients make of a reply; Python's own isprintable() is the judge."""
+    """The clients show a reply so; Python's own isprintable() is the judge."""
     return "".join(c if c.isprintable() else "?" for c in text[:200]) + ("…" if len(text) > 200 else "")
 
 

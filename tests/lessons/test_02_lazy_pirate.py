@@ -22,7 +22,7 @@ except ImportError:
 from netmq_example.journal import Journal
 from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.conftest import ask, bind
-from tests.programs import LIMIT, ROOT, steady_endpoint
+from tests.programs import ROOT, steady_endpoint
 
 KEY = "02_lazy_pirate"
 SERVER = ROOT / "python" / KEY / "server.py"
@@ -216,11 +216,9 @@ def test_envelopes_that_are_none(pirate_server, context):
         assert ask(context, endpoint, *way, b"add 1", kind=zmq.DEALER) == [*way, b"1"]
 
 
-def test_the_journal_does_not_grow_for_ever(start, journal, context):
-    short = "import server; from netmq_example import journal; journal.KEPT_ENTRIES = 10; server.main()"
-    words = ["--endpoint", "tcp://127.0.0.1:*", "--journal", journal]
-    server = start(PYTHON, "-c", short, *words, PYTHONPATH=str(SERVER.parent))
-    endpoint = server.wait_for(r"^listening on (\S+)")[1]
+def test_the_journal_does_not_grow_for_ever(serve_own, journal, context):
+    short = "from netmq_example import journal\njournal.KEPT_ENTRIES = 10\nanswer = server.answer"
+    server, endpoint = serve_own(KEY, short, "--journal", journal)
     for i in range(25):
         assert ask(context, endpoint, b"%d" % i, b"add 1") == [b"%d" % i, b"%d" % (i + 1)]
     # The newest ten are known still, an older one is not.
@@ -366,21 +364,16 @@ def test_a_journal_refuses_what_it_could_not_keep(journal, caplog, monkeypatch):
 def test_a_sum_stays_exact_while_the_server_is_killed(kind, pirate_server, journal, start, client_command, context):
     endpoint = steady_endpoint()
     server, _ = pirate_server(endpoint=endpoint)
-    command = client_command(kind, KEY, endpoint, "--count", "25", "--tries", "20")
-    clients = [start(*command) for _ in range(3)]
+    clients = [start(*client_command(kind, KEY, endpoint, "--count", "25", "--tries", "20")) for _ in range(3)]
+
+    def asking():
+        return any(client.process.poll() is None for client in clients)
+
     kills = 0
-    while (asking := [client for client in clients if client.process.poll() is None]) or kills < 3:
-        if not asking:
-            # They were done before the server was killed often enough.
-            clients.append(start(*command))
-            continue
-        # After so many more requests, or when nobody is left to ask.
+    while asking():
         wanted = len(server.lines) + random.randrange(20)
-        deadline = time.monotonic() + LIMIT
-        while len(server.lines) < wanted and any(client.process.poll() is None for client in asking):
-            assert time.monotonic() < deadline and server.process.poll() is None, server.output
-            with contextlib.suppress(AssertionError):
-                server.wait_for("", limit=0.05, start=wanted - 1)
+        while len(server.lines) < wanted and asking():
+            time.sleep(0.01)
         server.kill()
         kills += 1
         # Now and then once more in its first moments, while it opens the journal that the last kill left.
@@ -390,13 +383,7 @@ def test_a_sum_stays_exact_while_the_server_is_killed(kind, pirate_server, journ
                 early.process.wait(random.uniform(0, 0.3))
             early.kill()
         server, _ = pirate_server(endpoint=endpoint)
-        # Most are answered before the next kill, others perhaps not.
-        heard = {client: len(client.lines) for client in asking if random.random() < 0.8}
-        for client, lines in heard.items():
-            try:
-                client.wait_for("received", start=lines)
-            except AssertionError:
-                assert client.wait() == 0, client.output
+    assert kills > 2
     for client in clients:
         assert client.wait() == 0, client.output
         assert client.lines[-1] == "done: 25 replies"

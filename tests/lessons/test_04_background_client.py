@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import importlib.util
 import itertools
 import random
 import re
@@ -15,8 +14,8 @@ import zmq
 
 from netmq_example.background_client import BackgroundClient
 from tests.bad_peers import Listener
-from tests.lessons.conftest import answering, bind
-from tests.programs import LIMIT, ROOT, steady_endpoint
+from tests.lessons.conftest import answering, bind, server_of
+from tests.programs import LIMIT, steady_endpoint
 
 KEY = "04_background_client"
 FRAMES = r"frames: (\d+), the longest took (\d+) ms"
@@ -270,7 +269,7 @@ def test_in_code_with_a_server(serve, check):
     assert program.lines[-1] == "Forgotten: ok"
 
 
-NOBODY = ("Pairs", "Refusal", "Cancelled", "AskCancelled", "Stop", "Asleep", "ListenerStops", "Within")
+NOBODY = ("Pairs", "Refusal", "Cancelled", "AskCancelled", "Asleep", "ListenerStops", "Within")
 
 
 def test_in_code_with_nobody_who_answers(check, context):
@@ -281,7 +280,6 @@ def test_in_code_with_nobody_who_answers(check, context):
             "State",
             bind(router),
             *(f"{each}={nobody}" for each in NOBODY),
-            f"Stop={steady_endpoint()}",
             # What is wrong with its form the constructor says: test_csharp_rules.py.
             "LookUp=tcp://no-such-host.invalid:5554",
         )
@@ -325,9 +323,7 @@ def test_every_request_ends_once_while_the_server_is_killed_again_and_again(serv
 
 def test_a_retry_is_answered_from_memory(monkeypatch, printed):
     """Also where the answer is an exception: nothing is done twice, and the next request is answered as before."""
-    spec = importlib.util.spec_from_file_location("server_04", ROOT / "python" / KEY / "server.py")
-    server = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(server)
+    server = server_of(KEY)
     texts: list[str] = []
 
     def answer(text):

@@ -3,34 +3,10 @@
 from __future__ import annotations
 
 import json
-import shutil
 
-import pytest
-
-from kitlib.docs import guide
-from tests.conftest import PYTHON
 from tests.lessons.conftest import ask
-from tests.programs import ROOT
 
 KEY = "04_background_client"
-OWN = guide.excerpt(f"python/{KEY}/server.py answer")
-
-
-@pytest.fixture
-def serve_own(start, tmp_path):
-    """serve_own(answer) starts a copy of the lesson's server with an answer of one's own: (program, endpoint)."""
-
-    def serve_own(answer):
-        for folder in ("netmq_example", KEY):
-            shutil.copytree(ROOT / "python" / folder, tmp_path / folder)
-        path = tmp_path / KEY / "server.py"
-        path.write_text(path.read_text(encoding="utf-8").replace(OWN, answer), encoding="utf-8")
-        server = start(PYTHON, path, "--endpoint", "tcp://127.0.0.1:0")
-        return server, server.wait_for(r"^listening on (\S+)")[1]
-
-    return serve_own
-
-
 TOLD = """
 def answer(text):
     import json
@@ -40,7 +16,7 @@ def answer(text):
 
 
 def test_classes_of_ones_own_in_csharp(serve_own, start, checks):
-    program = start("dotnet", checks, "background", f"Ask={serve_own(TOLD)[1]}")
+    program = start("dotnet", checks, "background", f"Ask={serve_own(KEY, TOLD)[1]}")
     assert program.wait() == 0, program.output
     assert program.lines == ["Ask: ok"]
 
@@ -79,7 +55,7 @@ ASKED = {
 
 
 def test_a_dict_in_and_a_dict_out_in_python(serve_own, context):
-    server, endpoint = serve_own(JSON)
+    server, endpoint = serve_own(KEY, JSON)
     for id, (request, wanted) in enumerate(ASKED.items()):
         # Asked twice, as by a retry.
         for _ in range(2):

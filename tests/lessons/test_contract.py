@@ -1,4 +1,4 @@
-"""What every program of every lesson keeps to, found by discovery: a new lesson is under it before it has a test.
+"""Every program of every lesson keeps to this. They are found: a new lesson is under it before it has a test.
 
 The table is *The contract of every program* in CONTRIBUTING.md. What a lesson's programs take is read from their own
 --help; what cannot be read there stands in the few lines before the first test.
@@ -29,22 +29,10 @@ KEYS = [lesson.key for lesson in lessons()]
 each_lesson = pytest.mark.parametrize("key", KEYS)
 # Options that take any text; every other value can be wrong.
 FREE_TEXT = {
-    "--record",
-    "--hands",
-    "--model",
-    "--text",
-    "--journal",
-    "--topic",
-    "--view",
-    "--keys",
-    "--build",
-    "--server-key",
-    "--prompt",
-    "--origin",
-    "--token",
-    "--kind",
+    *["--record", "--hands", "--model", "--text", "--journal", "--topic", "--view"],
+    *["--keys", "--build", "--server-key", "--prompt", "--origin", "--token", "--kind"],
 }
-# What speaks to no stranger: the peers of this file get keys there as well.
+# These speak to no stranger: the peers of this file get keys there as well.
 KEYED = {"15_security"}
 # How many there are at least is one.
 NEVER_ZERO = {"--tries", "--window", "--workers", "--queue"}
@@ -80,7 +68,7 @@ BAD = [
 ]
 NO_HOST = ["tcp://no-such-host.invalid:{}", f"tcp://{'a' * 100}:{{}}"]
 
-# What a Python client tells its sockets: limits, and how long each wait of the main thread is, in milliseconds.
+# It prints what a Python client tells its sockets: limits, and each wait of the main thread in milliseconds.
 WATCHED = """
 import threading, zmq
 def waits(limit):
@@ -253,7 +241,7 @@ class Side:
         raise AssertionError(("it asked nobody", ended))
 
 
-# What ends by itself
+# Runs that end by themselves
 
 
 @each_lesson
@@ -334,7 +322,7 @@ LISTENERS = {
 
 @each_lesson
 def test_csharp_clients_say_why_they_end(key, run, serve, tmp_path):
-    """What they share is asked for everything once."""
+    """Code that they share is asked for everything once."""
     # A Play goes on after an error, and says at its end that there was one.
     for kind, code in ("csharp", 2), ("unity", 1):
         client = Side(run, kind, key, tmp_path)
@@ -446,7 +434,7 @@ def test_a_server_serves_on_whatever_comes_and_leaves_its_ports(
     # The contract says half a second; the rest is the interpreter's own end on a busy machine.
     assert server.stop(signal.SIGINT, limit=30) == 0, server.output
     assert fits_a_terminal(server), server.output
-    # Whoever asked knows what is wrong: a flood of messages is no flood of lines. Lesson 15 names all whom it lets in.
+    # The client knows what is wrong: a flood of messages is no flood of lines. Lesson 15 names all whom it lets in.
     assert key in KEYED or len(server.lines) < 50, server.output
     # The ports are free again, for other machines too.
     everywhere = [word.replace("127.0.0.1", "0.0.0.0") for word in (endpoint, *second)]

@@ -13,7 +13,7 @@ from tests.bad_peers import ProtocolBreaker, SlowLine
 from tests.programs import places
 
 ROUND_TRIP = 0.6
-# What the client is told, and the line by which it has been answered.
+# A client's words, and the line by which it has been answered.
 CASES = {
     "02_lazy_pirate": (["--tries", "20"], "^1: sent add 1, received 1$"),
     "03_publish_subscribe": (["--every", "1"], "^received pose/"),
@@ -43,7 +43,7 @@ def test_a_far_server_is_reached(key, kind, serve, start, client_command):
         client.wait_for(answered)
 
 
-# What a server answers before it breaks the protocol, and the client's line about that.
+# A server's answer before it breaks the protocol, and the client's line about that.
 BROKEN = {
     "01_request_reply": (lambda frames: [b"World"], "1: sent Hello, received World"),
     "02_lazy_pirate": (lambda frames: [frames[0], b"1"], "1: sent add 1, received 1"),

@@ -3,22 +3,11 @@
 The others make a new socket, which looks the name up, for each try.
 """
 
-import contextlib
 import signal
 
 import pytest
-import zmq
 
-from netmq_example.background_client import BackgroundClient
-from netmq_example.camera import DriverClient
-from netmq_example.jobs import JobClient
-from netmq_example.lazy_pirate import LazyPirate
-from netmq_example.many_requester import ManyRequester
-from netmq_example.messages import Message
-from netmq_example.pose_stream import PoseSubscriber
-from netmq_example.security import SecureRequester
-from netmq_example.side_channel.carrier import ClientCarrier
-from netmq_example.topic_listener import TopicListener
+from tests.lessons.uses import USES
 from tests.programs import MovingName, steady_port
 
 # The client's words, and the line by which it has found a server. Those of the first half keep a connection. Those of
@@ -57,59 +46,12 @@ def test_a_server_whose_address_changes_under_its_name(key, kind, serve, start, 
     client.wait_for(found, limit=30, start=len(client.lines))
 
 
-def request_in_background(context, where):
-    why = []
-    with contextlib.closing(BackgroundClient(where, timeout=0.1, tries=1)) as client:
-        client.request("hello", why.append, why.append)
-        while not why:
-            client.poll()
-    return why[0]
-
-
-def receive_action(context, where):
-    with DriverClient(where, timeout=0.1, tries=1) as client:
-        client.send(Message("frame", 1))
-        client.receive()
-
-
-def listen(context, where):
-    with context.socket(zmq.SUB) as socket:
-        TopicListener(where, socket=socket).receive(3)
-
-
-def exchange(context, where):
-    carrier = ClientCarrier(context, where, timeout=0.1)
-    while True:
-        carrier.exchange(b"", 0.1)
-
-
-def snapshot(context, where):
-    with context.socket(zmq.SUB) as stream:
-        PoseSubscriber("tcp://127.0.0.1:5557", snapshots=where, stream=stream).ask(0.1)
-
-
-UNKNOWN = {
-    "LazyPirate": lambda context, where: LazyPirate(where, timeout=0.1, tries=1, context=context).request("hello"),
-    "BackgroundClient": request_in_background,
-    "ManyRequester": lambda context, where: str(
-        next(ManyRequester(where, timeout=0.1, tries=1).request_many(["a"])).error
-    ),
-    "TopicListener": listen,
-    "PoseSubscriber": snapshot,
-    "SecureRequester": lambda context, where: SecureRequester(where, timeout=0.1, tries=1).request("hello"),
-    "DriverClient": receive_action,
-    "ClientCarrier": exchange,
-    "JobClient": lambda context, where: list((job := JobClient(where, timeout=0.1, tries=1)).watch(job.ask("status"))),
-}
-
-
-@pytest.mark.parametrize("ask", UNKNOWN.values(), ids=UNKNOWN)
-def test_a_name_that_nobody_knows_is_the_reason_that_is_given(ask):
+@pytest.mark.parametrize(("make", "use"), USES.values(), ids=USES)
+def test_a_name_that_nobody_knows_is_the_reason_that_is_given(make, use):
     """libzmq looks a name up again and again, and does not say that it is in vain."""
-    with zmq.Context() as context:
+    with make("tcp://no-such.invalid:5552") as client:
         try:
-            why = ask(context, "tcp://no-such.invalid:5552")
+            why = str(use(client))
         except TimeoutError as error:
             why = str(error)
-        context.destroy()
     assert "; unknown host 'no-such.invalid': is it spelt so, and is the network there?" in why

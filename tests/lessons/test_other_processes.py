@@ -1,4 +1,4 @@
-"""What crosses to another process, or is used in one: errors, copies, sockets after a fork; and programs whose console
+"""Errors, copies and sockets cross to another process, or are used in one after a fork; and programs whose console
 is a notebook's, or nobody's.
 """
 
@@ -25,6 +25,7 @@ from netmq_example.one_process import OneProcess
 from netmq_example.replies import reply_to
 from tests.conftest import PYTHON
 from tests.lessons.conftest import ask
+from tests.lessons.uses import USES
 from tests.programs import LIMIT, ROOT, finished, steady_endpoint
 
 posix = pytest.mark.skipif(sys.platform == "win32", reason="Windows neither forks nor fills a pipe that way")
@@ -63,7 +64,7 @@ def test_each_error_survives_what_libraries_do_with_it():
             assert {(other.code, other.text) for other in again} == {(error.code, error.text)}
 
 
-# What has a socket has one process
+# An object with a socket has one process
 
 
 def test_what_has_a_socket_or_a_thread_is_not_copied():
@@ -79,49 +80,31 @@ def test_what_has_a_socket_or_a_thread_is_not_copied():
 
 # Made in the parent, used in the child: each would wait there for ever.
 FORKS = """
-import os, sys, threading, zmq
-sys.path[:0] = [{python!r}]
-from netmq_example.background_client import BackgroundClient
-from netmq_example.camera.client import DriverClient
+import os, sys
+sys.path[:0] = [{root!r}, {root!r} + "/python"]
 from netmq_example.envs.connection import FREE_PORT, Simulators
 from netmq_example.fleet.trainer import FleetSocket
-from netmq_example.jobs.client import JobClient
-from netmq_example.lazy_pirate import LazyPirate
-from netmq_example.many_requester import ManyRequester
 from netmq_example.messages import Message
-from netmq_example.pose_stream import PoseSubscriber
-from netmq_example.security.requester import SecureRequester
-from netmq_example.side_channel.carrier import ClientCarrier
 from netmq_example.video.films import Films
+from tests.lessons.uses import USES
 
-context, nowhere = zmq.Context(), "tcp://127.0.0.1:9"
+nowhere = "tcp://127.0.0.1:9"
 simulators = Simulators(FREE_PORT)
-client = BackgroundClient(nowhere)
-job = JobClient(nowhere)
-films = Films(FREE_PORT)
-uses = {{
-    "environment": lambda: simulators.connection.ask(Message("render")),
-    "waiting": lambda: simulators.find(print),
-    "BackgroundClient": lambda: client.request("x", print, print),
-    "LazyPirate": lambda one=LazyPirate(nowhere, context=context): one.request("x"),
-    "ManyRequester": lambda one=ManyRequester(nowhere, context=context): list(one.request_many(["x"])),
-    "DriverClient": lambda one=DriverClient(nowhere): one.send(Message("frame")),
-    "SecureRequester": lambda one=SecureRequester(nowhere): one.request("x"),
-    "JobClient": lambda: next(job.watch(job.ask("status"))),
-    "ClientCarrier": lambda one=ClientCarrier(context, nowhere): one.exchange(b"", 0.1),
-    "Films": lambda: films.wait(0.1),
-    "FleetSocket": lambda one=FleetSocket(nowhere, "CartPole", 1): one.recv_multipart(),
-    "PoseSubscriber": lambda one=PoseSubscriber(nowhere): one.receive(0.1),
+made = {{name: (make(nowhere), use) for name, (make, use) in USES.items()}} | {{
+    "environment": (simulators, lambda it: it.connection.ask(Message("render"))),
+    "waiting": (simulators, lambda it: it.find(print)),
+    "Films": (Films(FREE_PORT), lambda it: it.wait(0.1)),
+    "FleetSocket": (FleetSocket(nowhere, "CartPole", 1), lambda it: it.recv_multipart()),
 }}
 if os.fork():
     os.wait()
 else:
-    for name, use in uses.items():
+    for name, (it, use) in made.items():
         try:
-            use()
+            use(it)
         except RuntimeError as error:
             print(name, error, flush=True)
-    client.close(), simulators.close(), films.close()
+        it.close()
     print("all", flush=True)
 os._exit(0)
 """
@@ -131,11 +114,11 @@ os._exit(0)
 def test_the_use_of_a_parents_socket_after_a_fork_is_refused_at_once():
     pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
     pytest.importorskip("PIL", reason="lesson 12 needs pillow: kit.py run 12 installs it")
-    done = finished([PYTHON, "-c", FORKS.format(python=str(ROOT / "python"))])
+    done = finished([PYTHON, "-c", FORKS.format(root=str(ROOT))])
     *lines, last = [line for line in done.stdout.splitlines() if "press Play" not in line]
     assert last == "all", done
     cure = "this was made in another process: make a new one in this process, after the fork"
-    assert len(lines) == 12 and all(line.endswith(f" {cure}") for line in lines), done.stdout
+    assert len(lines) == len(USES) + 4 and all(line.endswith(f" {cure}") for line in lines), done.stdout
 
 
 def test_a_forgotten_client_ends_its_thread():
@@ -294,7 +277,7 @@ def test_a_cell_of_a_notebook(tmp_path):
     assert re.fullmatch("gave up: .* True", last), done
 
 
-# Ctrl-C as soon as it listens. What IPython keeps of it holds every object that was there.
+# Ctrl-C as soon as it listens. IPython keeps an end, which holds every object that was there.
 RUN_TWICE = """
 import _thread, io, runpy, sys
 
@@ -373,13 +356,9 @@ TOO_LONG = "answer returned what cannot be sent: a text of 100000 bytes, more th
         ("06_many_in_flight", [b"1", b"sleep 0"]),
     ],
 )
-def test_an_answer_that_no_client_would_take_is_refused_where_it_is_made(key, frames, start, connect, tmp_path):
-    code = (
-        f"import sys; sys.path.insert(0, {str(ROOT / 'python' / key)!r}); import server\n"
-        "server.answer = lambda *_: 'x' * 100_000; server.main()"
-    )
-    server = start(PYTHON, "-c", code, "--endpoint", "tcp://127.0.0.1:0", folder=tmp_path)
-    socket = connect(server.wait_for(r"^listening on (\S+)")[1], zmq.DEALER if key[:2] == "06" else zmq.REQ)
+def test_an_answer_that_no_client_would_take_is_refused_where_it_is_made(key, frames, serve_own, connect):
+    server, endpoint = serve_own(key, "answer = lambda *_: 'x' * 100_000")
+    socket = connect(endpoint, zmq.DEALER if key[:2] == "06" else zmq.REQ)
     # A journal gives no answer to a retry that it would not have given at first.
     for _ in range(2):
         socket.send_multipart(frames)

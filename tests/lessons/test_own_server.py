@@ -41,7 +41,7 @@ from netmq_example.errors import ListenError
 from netmq_example.security.allow_list import AllowList
 from netmq_example.security.keys import make
 from netmq_example.security.requester import ClientKeys
-from tests.lessons.conftest import ask
+from tests.lessons.conftest import ask, server_of
 from tests.programs import LIMIT, ROOT, finished, steady_endpoint
 
 PATIENT = 60
@@ -82,16 +82,6 @@ def server(request, work):
 # Server
 
 
-def lesson(key):
-    """Its server's module."""
-    sys.path.insert(0, str(ROOT / "python" / key))
-    try:
-        return importlib.import_module("server")
-    finally:
-        sys.path.pop(0)
-        sys.modules.pop("server", None)
-
-
 REQUESTS = {
     "01_request_reply": ["Hello", "Hello\0", "", "Häße", "x" * 65_536],
     "04_background_client": ["hello", "echo hi", "echo", "", "ä"],
@@ -102,7 +92,7 @@ REQUESTS = {
 @pytest.mark.parametrize("key", REQUESTS)
 def test_a_lessons_answer_gives_the_same_bytes_behind_it(key, serve, context):
     _, there = serve(key)
-    with Server(lesson(key).answer) as server:
+    with Server(server_of(key).answer) as server:
         for text in REQUESTS[key]:
             frames = [b"7", text.encode()] if key != "01_request_reply" else [text.encode()]
             assert ask(context, server.endpoint, *frames) == ask(context, there, *frames), text
@@ -134,7 +124,7 @@ MISTAKES: dict[str, Any] = {
 @pytest.mark.parametrize("kind", ["text", "workers", "messages", "messages with workers", "journal"])
 @pytest.mark.parametrize("mistake", MISTAKES)
 def test_no_mistake_in_answer_ends_a_thread(mistake, kind, tmp_path, monkeypatch):
-    # What pytest has captured it sends to another process, which half a character would end.
+    # pytest sends the lines that it has captured to another process, which half a character would end.
     monkeypatch.setattr(logging.getLogger("netmq_example.server"), "disabled", True)
 
     def answer(*words):

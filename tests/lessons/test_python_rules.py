@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 import zmq
@@ -25,6 +24,7 @@ from netmq_example.side_channel.carrier import Carrier, ClientCarrier
 from netmq_example.side_channel.side_channel_manager import SideChannelManager
 from netmq_example.topic_listener import TopicListener
 from netmq_example.worker_threads import WorkerThreads
+from tests.lessons.uses import USES
 from tests.programs import LIMIT
 
 NAN, INFINITE = float("nan"), float("inf")
@@ -48,7 +48,7 @@ WHERE = "tcp://127.0.0.1:5552"
 
 
 def needs(context, sub):
-    """What each is made with, and what else it takes."""
+    """Each class, the arguments that it needs, and the names of others."""
     return [
         (LazyPirate, {"endpoint": WHERE}, ["context", "timeout", "tries"]),
         (ManyRequester, {"endpoint": WHERE}, ["context", "window", "timeout", "tries"]),
@@ -168,21 +168,11 @@ def test_what_is_at_work_is_not_asked_beside(context):
             next(requester.request_many(["echo two"]))
         del left
         assert [number for number, _, _ in requester.request_many(["ü" * 32_769])] == [1]
-    said = []
-
-    def ask_beside(line):
-        said.append(line)
-        if len(said) == 1:
-            with ThreadPoolExecutor(1) as pool:
-                said.append(pool.submit(pirate.request, "balance").exception(LIMIT))
-            pirate.stop()
-
-    pirate = LazyPirate(WHERE, timeout=0.1, tries=2, context=context)
-    pirate.report = ask_beside
-    with pytest.raises(Closed):
-        pirate.request("balance")
-    assert [type(each) for each in said] == [str, RuntimeError]
-    assert str(said[1]) == "this LazyPirate has not ended what it does: wait for that, or make a second LazyPirate"
+    for name in ("LazyPirate", "ManyRequester", "MessageRequester", "SecureRequester", "JobClient"):
+        make, use = USES[name]
+        with make(WHERE) as it, it.at_work, pytest.raises(RuntimeError) as refused:
+            use(it)
+        assert str(refused.value) == f"this {name} has not ended what it does: wait for that, or make a second {name}"
 
 
 def test_an_endpoint_that_libzmq_cannot_use_hangs_nothing(context):

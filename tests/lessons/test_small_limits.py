@@ -139,7 +139,7 @@ def test_the_episodes_of_all_trainers_have_a_limit(fleet, monkeypatch):
         begun(fleet, peer)
     codes = [fleet.takes(peer, asks(1, records.RESET, 4000)) for peer in (b"one", b"two", b"three")]
     assert codes == [None, None, "too-much"]
-    # What a trainer that leaves had is free again.
+    # The room of a trainer that leaves is free again.
     fleet.takes(b"one", Message("close", 2))
     assert fleet.takes(b"three", asks(2, records.RESET, 4000)) is None
 

@@ -26,8 +26,9 @@ namespace NetMQExample.Tests
         {
             var checks = new Action<string>[]
             {
-                AllocatesNothing, Ask, AskCancelled, Asleep, Await, Cancelled, Cleanup, Forgotten, Hud, ListenerStops, LongestText, LookUp, Many, Nested, NeverPolled, NoSocket, OneAfterAnother, Pairs, Randomly,
-                Refusal, State, Stop, StopAnswered, Stuck, Throwing, Why, Within,
+                AllocatesNothing, Ask, AskCancelled, Asleep, Await, Cancelled, Cleanup, Forgotten, Hud, ListenerStops,
+                LongestText, LookUp, Many, Nested, NeverPolled, NoSocket, OneAfterAnother, Pairs, Randomly, Refusal, State,
+                StopAnswered, Stuck, Throwing, Why, Within,
             }.ToDictionary(check => check.Method.Name);
             try
             {
@@ -130,20 +131,6 @@ namespace NetMQExample.Tests
             client.Dispose();
             Check(!client.Request("hello", null), "accepted after Dispose");
             Equal(4, ended.Count);
-        }
-
-        // Stop at every moment, six times, without a pause: the next client must not find a context that ends.
-        private static void Stop(string endpoint)
-        {
-            for (var round = 0; round < 6; round++)
-            {
-                var ends = 0;
-                var client = new BackgroundClient(endpoint, TimeSpan.FromSeconds(10));
-                for (var i = 0; i < round; i++) client.Request("hello", _ => ends++, _ => ends++);
-                Thread.Sleep(15 * round);
-                StopInTime(client);
-                Equal(round, ends);
-            }
         }
 
         // An answer that was not polled yet is still a reply when the client is disposed.
