@@ -83,27 +83,6 @@ def test_what_is_answered_and_not_read(peer):
         assert Message.read(honest.recv_multipart()[1:]).id == 2
 
 
-# A program that does not come to read, with what every socket is made with.
-DEAF = """
-import time
-import zmq
-from netmq_example.program import *
-from netmq_example.messages import LIMIT
-with listening(zmq.ROUTER, server_options("", "tcp://127.0.0.1:0").parse_args(), 4 * LIMIT):
-    time.sleep(600)
-"""
-
-
-def test_what_waits_to_be_read(peer):
-    server = Program([PYTHON, "-c", DEAF], MALLOC_ARENA_MAX="1", PYTHONPATH=str(ROOT / "python"))
-    try:
-        endpoint = server.wait_for(r"^listening on (\S+)")[1]
-        with taking(server, 400):
-            floods(peer(endpoint), [hello(f"w{number}", LARGE) for number in range(60)])
-    finally:
-        server.kill()
-
-
 def test_what_is_subscribed_to(connect):
     """ZeroMQ keeps each letter of it by itself."""
     words = "--endpoint", "tcp://127.0.0.1:0", "--snapshots", "tcp://127.0.0.1:0"
