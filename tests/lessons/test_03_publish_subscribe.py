@@ -13,7 +13,7 @@ from netmq_example.topic_listener import TopicListener
 from tests.bad_peers import SlowLine
 from tests.conftest import CLIENTS
 from tests.lessons.conftest import bind, on_the_circle
-from tests.programs import LIMIT, MovingName, steady_endpoint
+from tests.programs import LIMIT, MovingName
 
 KEY = "03_publish_subscribe"
 GERMAN = {"LANG": "de_DE.UTF-8", "LC_ALL": "de_DE.UTF-8"}
@@ -58,21 +58,6 @@ def test_a_topic_is_a_prefix_and_a_delimiter_cures_it(kind, serve, run):
         assert client.lines[0] == f"listening to '{topic}' from {endpoint}"
         heard[topic] = {line.split()[1] for line in client.lines[1:-1]}
     assert heard == {"news": {"news/", "newsflash/"}, "news/": {"news/"}}
-
-
-@MODES
-def test_the_wrong_server_first(kind, mode, serve, listen):
-    """After a peer that is no publisher, libzmq never connects again by itself."""
-    endpoint = steady_endpoint()
-    wrong, _ = serve("01_request_reply", endpoint=endpoint)
-    client = listen(kind, endpoint, "--count", "3", "--timeout", "25", *mode)
-    client.wait_for("^listening")
-    # Not a wait for something: that long the wrong server has the port.
-    time.sleep(0.5)
-    wrong.kill()
-    serve(KEY, endpoint=endpoint)
-    assert client.wait() == 0, client.output
-    assert client.lines[-1] == "done: received 3"
 
 
 # With a publisher of the test's own, which decides on every message

@@ -14,6 +14,7 @@ import zmq
 
 from netmq_example.background_client import BackgroundClient
 from tests.bad_peers import Listener
+from tests.conftest import CLIENTS
 from tests.lessons.conftest import answering, bind, server_of
 from tests.programs import LIMIT, steady_endpoint
 
@@ -116,60 +117,54 @@ def oddly():
     return answer
 
 
-@pytest.mark.parametrize("side", ["python", "csharp"])
-def test_clients_in_a_terminal_and_in_unity(side, serve, runs, context, monkeypatch):
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_clients_in_a_terminal_and_in_unity(kind, serve, runs, context, monkeypatch):
     """Each is started in a German's terminal: numbers and texts are the same."""
     monkeypatch.setenv("LC_ALL", "de_DE.UTF-8")
-    kinds = [[], ["--unity"]] if side == "csharp" else [[]]
     server, endpoint = serve(KEY)
     _, slow = serve(KEY, "--slow-on", "3")
     nowhere = steady_endpoint()
     with answering(context, oddly()) as odd:
-        found = runs(
-            side,
+        done, retried, alone, *naive = runs(
+            kind,
             KEY,
             [
                 # Patient, so that none is sent twice: the server's lines are counted below.
-                *([*kind, "--endpoint", endpoint, "--timeout", "30"] for kind in kinds),
-                *([*kind, "--endpoint", odd, *RETRIED] for kind in kinds),
-                *([*kind, "--endpoint", nowhere, "--timeout", "0.5", "--tries", "3"] for kind in kinds),
-                ["--endpoint", slow, "--naive"],
+                ["--endpoint", endpoint, "--timeout", "30"],
+                ["--endpoint", odd, "--count", "3", "--text", "echo grün ✓", "--timeout", "20"],
+                ["--endpoint", nowhere, "--timeout", "0.5", "--tries", "3"],
+                *([["--endpoint", slow, "--naive"]] if kind != "unity" else []),
             ],
         )
-    for kind, run in zip(kinds, found, strict=False):
-        assert run.code == 0, run.lines
-        *replies, last, before = [line for line in run.lines if "now true" not in line]
-        # In Unity another component counts the frames, after it is done.
-        assert re.fullmatch(FRAMES, before if kind else last) and "done: 10 replies" in (last, before)
-        assert replies == [f"asking {endpoint}", *(f"{i}: sent hello, received world" for i in range(1, 11))]
+    assert done.code == 0, done.lines
+    *replies, last, before = [line for line in done.lines if "now true" not in line]
+    # In Unity another component counts the frames, after it is done.
+    assert re.fullmatch(FRAMES, before if kind == "unity" else last) and "done: 10 replies" in (last, before)
+    assert replies == [f"asking {endpoint}", *(f"{i}: sent hello, received world" for i in range(1, 11))]
     # The server prints after it has replied: its last line may come later than the client's end.
-    server.wait_for(f"^{10 * len(kinds)}: sent")
-    assert server.lines[1:] == [f"{i}: sent b'world'" for i in range(1, 10 * len(kinds) + 1)]
-    for run in found[len(kinds) : 2 * len(kinds)]:
-        assert run.code == 0, run.lines
-        replies = [line for line in run.lines if "received" in line]
-        assert replies == [f"{i}: sent echo grün ✓, received größer" for i in (1, 2, 3)]
-        # What is shown is what a frame saw; a retry between two frames may stay unseen.
-        trouble = [line for line in run.lines if line.startswith("trouble: ")]
-        dropped = "trouble: [12]: dropped a reply to another request.*; try [23] of 20"
-        assert trouble and all(re.fullmatch(dropped, line) for line in trouble)
-        assert len(set(trouble)) == len(trouble)
-        assert frames(run)[0] > 15, "more than one for each reply: a slow answer stops none"
-    for run in found[2 * len(kinds) : -1]:
-        assert run.code == 1
-        assert run.lines.count(f"gave up: {lost(nowhere, 2)}") == 1
-        # On a busy machine there may be no frame for a second.
-        trouble = [line for line in run.lines if line.startswith("trouble: ")]
-        said = [f"trouble: {silence(1, attempt, tries=3, timeout=0.5)}" for attempt in (2, 3)]
-        assert trouble in (said, said[:1], said[1:])
-        # Some 200, on a busy machine far fewer; a client that waits where the frames are made has one, or three.
-        assert frames(run)[0] > 5
-    # The lesson cures this: if it were smooth too, the others would show nothing.
-    assert found[-1].code == 0
-    assert frames(found[-1])[0] == 10 and frames(found[-1])[1] >= 1000
-
-
-RETRIED = ("--count", "3", "--text", "echo grün ✓", "--timeout", "20")
+    server.wait_for("^10: sent")
+    assert server.lines[1:] == [f"{i}: sent b'world'" for i in range(1, 11)]
+    assert retried.code == 0, retried.lines
+    replies = [line for line in retried.lines if "received" in line]
+    assert replies == [f"{i}: sent echo grün ✓, received größer" for i in (1, 2, 3)]
+    # A frame shows what it saw; a retry between two frames may stay unseen.
+    trouble = [line for line in retried.lines if line.startswith("trouble: ")]
+    dropped = "trouble: [12]: dropped a reply to another request.*; try [23] of 20"
+    assert trouble and all(re.fullmatch(dropped, line) for line in trouble)
+    assert len(set(trouble)) == len(trouble)
+    assert frames(retried)[0] > 15, "more than one for each reply: a slow answer stops none"
+    assert alone.code == 1
+    assert alone.lines.count(f"gave up: {lost(nowhere, 2)}") == 1
+    # On a busy machine there may be no frame for a second.
+    trouble = [line for line in alone.lines if line.startswith("trouble: ")]
+    said = [f"trouble: {silence(1, attempt, tries=3, timeout=0.5)}" for attempt in (2, 3)]
+    assert trouble in (said, said[:1], said[1:])
+    # Some 200, on a busy machine far fewer; a client that waits where the frames are made has one, or three.
+    assert frames(alone)[0] > 5
+    for run in naive:
+        # The lesson cures this: if it were smooth too, the others would show nothing.
+        assert run.code == 0
+        assert frames(run)[0] == 10 and frames(run)[1] >= 1000
 
 
 @pytest.mark.parametrize("side", ["python", "csharp"])

@@ -16,16 +16,12 @@ import zmq
 from netmq_example import many_requester
 from netmq_example.many_requester import ManyRequester
 from netmq_example.worker_threads import WorkerThreads
+from tests.conftest import CLIENTS
 from tests.lessons.conftest import bind
 from tests.programs import LIMIT, steady_endpoint
 
 KEY = "06_many_in_flight"
 each_side = pytest.mark.parametrize("side", ["python", "csharp"])
-
-
-def kinds(side):
-    """The clients of this side: those in Unity are the same C# in a component."""
-    return [[], ["--unity"]] if side == "csharp" else [[]]
 
 
 def sent(run):
@@ -45,58 +41,48 @@ def ask(client, *frames):
 # The clients with the lesson's server
 
 
-@each_side
-def test_replies_come_when_they_are_ready_and_a_slow_request_fails_alone(side, serve, runs):
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_replies_come_when_they_are_ready_and_a_slow_request_fails_alone(kind, serve, runs):
     _, endpoint = serve(KEY)
     long = "|".join(["x" * 65_537, "echo " + "ü" * 300, "sleep 60", "echo b"])
-    found = runs(
-        side,
+    all_at_once, one_by_one, failing = runs(
+        kind,
         KEY,
         [
-            *([*kind, "--endpoint", endpoint, "--timeout", "20"] for kind in kinds(side)),
+            ["--endpoint", endpoint, "--timeout", "20"],
             ["--endpoint", endpoint, "--window", "1", "--text", "sleep 0.1|echo Grüße", "--count", "4"],
-            *(
-                [*kind, "--endpoint", endpoint, "--count", "4", "--timeout", "2", "--tries", "2", "--text", long]
-                for kind in kinds(side)
-            ),
+            ["--endpoint", endpoint, "--count", "4", "--timeout", "2", "--tries", "2", "--text", long],
         ],
     )
-    for run in found[: len(kinds(side))]:
-        assert run.code == 0, run.lines
-        first, *replies, last = run.lines
-        assert (first, last) == (f"asking {endpoint}, 4 in flight", "done: 6 replies")
-        assert sorted(replies) == [
-            "1: sent sleep 0.8, received slept 0.8",
-            "2: sent echo one, received one",
-            "3: sent sleep 0.5, received slept 0.5",
-            "4: sent echo two, received two",
-            "5: sent sleep 0.2, received slept 0.2",
-            "6: sent echo three, received three",
-        ]
-        assert replies[0].startswith("2:"), "a quick request does not wait for a slow one before it"
-    # A window of one is lesson 01 again.
-    one_by_one = found[len(kinds(side))]
-    assert one_by_one.code == 0, one_by_one.lines
-    assert sent(one_by_one) == [
-        "1: sent sleep 0.1, received slept 0.1",
-        "2: sent echo Grüße, received Grüße",
-        "3: sent sleep 0.1, received slept 0.1",
-        "4: sent echo Grüße, received Grüße",
+    assert all_at_once.code == 0, all_at_once.lines
+    first, *replies, last = all_at_once.lines
+    assert (first, last) == (f"asking {endpoint}, 4 in flight", "done: 6 replies")
+    assert sorted(replies) == [
+        "1: sent sleep 0.8, received slept 0.8",
+        "2: sent echo one, received one",
+        "3: sent sleep 0.5, received slept 0.5",
+        "4: sent echo two, received two",
+        "5: sent sleep 0.2, received slept 0.2",
+        "6: sent echo three, received three",
     ]
-    for run in found[len(kinds(side)) + 1 :]:
-        assert run.code == 1
-        assert sorted(sent(run)) == [
-            f"1: sent {'x' * 200}…, gave up: not sent: 65537 bytes, and the limit is 65536",
-            f"2: sent echo {'ü' * 195}…, received {'ü' * 200}…",
-            "3: sent sleep 60, gave up: no reply in 2 tries of up to 4 s; "
-            "is the server running, slow, or its reply over 64 KB?",
-            "4: sent echo b, received b",
-        ]
-        assert "3: no reply within 2 s; try 2 of 2" in run.lines and "done: 2 replies" in run.lines
-        assert run.lines[-1] == f"gave up: 2 of 4 requests to {endpoint} have no reply; see above"
+    assert replies[0].startswith("2:"), "a quick request does not wait for a slow one before it"
+    # A window of one is lesson 01 again.
+    assert one_by_one.code == 0, one_by_one.lines
+    texts = ["sleep 0.1, received slept 0.1", "echo Grüße, received Grüße"] * 2
+    assert sent(one_by_one) == [f"{number}: sent {text}" for number, text in enumerate(texts, 1)]
+    assert failing.code == 1
+    assert sorted(sent(failing)) == [
+        f"1: sent {'x' * 200}…, gave up: not sent: 65537 bytes, and the limit is 65536",
+        f"2: sent echo {'ü' * 195}…, received {'ü' * 200}…",
+        "3: sent sleep 60, gave up: no reply in 2 tries of up to 4 s; "
+        "is the server running, slow, or its reply over 64 KB?",
+        "4: sent echo b, received b",
+    ]
+    assert "3: no reply within 2 s; try 2 of 2" in failing.lines and "done: 2 replies" in failing.lines
+    assert failing.lines[-1] == f"gave up: 2 of 4 requests to {endpoint} have no reply; see above"
 
 
-@pytest.mark.parametrize("side", ["python", "csharp"])
+@each_side
 def test_a_client_that_is_started_again_is_given_no_answer_from_before(side, serve, run):
     """Lesson 02's server remembers by the id alone."""
     _, endpoint = serve("02_lazy_pirate")

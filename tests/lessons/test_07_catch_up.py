@@ -18,7 +18,6 @@ from tests.programs import LIMIT, PATIENT, free_port, steady_endpoint, two_ports
 KEY = "07_catch_up"
 GERMAN = {"LANG": "de_DE.UTF-8", "LC_ALL": "de_DE.UTF-8"}
 TERMINAL = ["python", "csharp"]
-REFUSED = zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL | zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL
 JOINED = r"^joined run (\w+) at (\d+), checksum (\d+)$"
 DONE = r"^done: received (\d+), missed (\d+); run (\w+) at (\d+), checksum (\d+)$"
 
@@ -325,26 +324,6 @@ def test_a_publisher_that_repeats_itself_holds_nobody(kind, fake, follow):
         if len(client.lines) > 2:
             break
     assert client.lines[-1] == "done: received 0, missed 0; run one at 5, checksum 7"
-
-
-@pytest.mark.parametrize("kind", TERMINAL)
-def test_the_wrong_server_first_and_then_the_right_one(kind, context, follow):
-    """After a peer that is no publisher, libzmq never connects again by itself."""
-    endpoint, snapshots = (steady_endpoint() for _ in range(2))
-    # The end of its context is the end of its port.
-    with zmq.Context() as its, its.socket(zmq.REP) as wrong:
-        bind(wrong, endpoint)
-        with wrong.get_monitor_socket(zmq.EVENT_DISCONNECTED | REFUSED) as seen:
-            client = follow(kind, endpoint, snapshots, "--count", "3", "--timeout", "25", "--every", "0")
-            assert seen.poll(100_000), "nobody has come"
-    fake = FakePublisher(context, endpoint, snapshots)
-    for number in while_running(client):
-        fake.stream.send(pose("one", number))
-        if fake.router.poll(20):
-            fake.asked_for_a_snapshot(b"1 " + pose("one", number))
-    fake.close()
-    assert client.wait() == 0, client.output
-    assert client.wait_for(DONE)[1] == "3"
 
 
 # The server by itself

@@ -1,16 +1,16 @@
-"""A far server is reached: over a line with a round trip of 600 ms, of which a new connection takes four or more. And
-one that breaks ZeroMQ's protocol holds nobody.
+"""Servers that are far, break ZeroMQ's protocol or are another's are no trouble: tests/bad_peers.py has the first two.
 
-tests/bad_peers.py has them.
+The far one is behind a line with a round trip of 600 ms, of which a new connection takes four or more.
 """
 
 import contextlib
+import time
 
 import pytest
 
 from netmq_example.messages import Message
 from tests.bad_peers import ProtocolBreaker, SlowLine
-from tests.programs import places
+from tests.programs import places, two_ports
 
 ROUND_TRIP = 0.6
 # A client's words, and the line by which it has been answered.
@@ -66,3 +66,19 @@ def test_a_server_that_breaks_the_protocol_holds_no_client(key, kind, run):
     end = ["done: 5 replies", f"gave up: no reply from {peer.endpoint} within 2 s; is the server running, or "]
     assert client.lines[-1].startswith(end[client.code]), client
     assert client.code == 0 or key != "02_lazy_pirate"
+
+
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+@pytest.mark.parametrize("key", ["03_publish_subscribe", "07_catch_up"])
+def test_the_right_publisher_is_found_after_the_wrong_server(key, kind, serve, start, client_command):
+    """After a peer that is no publisher, libzmq never connects again by itself."""
+    endpoint = two_ports()
+    wrong, _ = serve("01_request_reply", endpoint=endpoint)
+    client = start(*client_command(kind, key, endpoint, "--count", "3", "--timeout", "25"))
+    client.wait_for("^(listening|following) ")
+    # Not a wait for something: that long the wrong server has the port.
+    time.sleep(0.5)
+    wrong.kill()
+    serve(key, endpoint=endpoint)
+    assert client.wait() == 0, client.output
+    assert client.lines[-1].startswith("done: received 3")

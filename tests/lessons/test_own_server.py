@@ -3,7 +3,6 @@
 import asyncio
 import contextlib
 import gc
-import importlib
 import logging
 import os
 import re
@@ -519,11 +518,7 @@ def test_a_signals_handler_may_close_it(server):
 # and for asyncio
 
 
-@pytest.mark.parametrize("policy", ["asyncio", "uvloop"])
-def test_500_at_once_each_get_their_own_reply(server, work, policy):
-    if policy == "uvloop":
-        pytest.importorskip("uvloop")
-
+def test_500_at_once_each_get_their_own_reply(server, work):
     async def main():
         with BackgroundClient(server.endpoint, timeout=PATIENT, window=8) as client:
             texts = [f"a{i}" for i in range(500)]
@@ -536,10 +531,7 @@ def test_500_at_once_each_get_their_own_reply(server, work, policy):
             work.go.set()
             assert await client.ask("b") == "B"
 
-    if policy == "uvloop":
-        importlib.import_module("uvloop").run(main())
-    else:
-        asyncio.run(main())
+    asyncio.run(main())
 
 
 def test_no_try_follows_once_its_task_is_cancelled():
