@@ -275,7 +275,7 @@ def test_in_code_with_nobody_who_answers(check, context):
             "State",
             bind(router),
             *(f"{each}={nobody}" for each in NOBODY),
-            # What is wrong with its form the constructor says: test_csharp_rules.py.
+            # A form that is wrong is refused by the constructor: test_rules.py.
             "LookUp=tcp://no-such-host.invalid:5554",
         )
         for number, attempt in ((1, 1), (2, 1), (2, 2), (3, 1), (4, 1)):

@@ -226,11 +226,6 @@ def wrong_first(router, endpoint, over):
     return ["1: sent echo a, received a", "2: sent echo a, received a"], []
 
 
-def silent(router, endpoint, over):
-    receive(router)
-    return None, []
-
-
 SCENES = {
     retries: "--count 2 --window 1 --text echo_a|echo_b --timeout 1 --tries 9",
     same_socket: f"--count 100 --window 2 --timeout 2 --text slow{'|quick' * 99}",
@@ -239,7 +234,6 @@ SCENES = {
     refuses: "--count 1 --text a --timeout 3 --tries 2",
     too_large: "--count 1 --text echo_a --timeout 1 --tries 20",
     wrong_first: "--count 2 --window 1 --text echo_a --timeout 1 --tries 12",
-    silent: "--count 1 --timeout 0.3 --tries 1",
 }
 
 
@@ -261,12 +255,11 @@ def test_against_a_server_by_hand(side, context, runs):
         over.set()
         for play, future, run in zip(SCENES, played, found, strict=True):
             replies, tries = future.result(LIMIT)
-            assert run.code == (1 if play is silent else 0), (play, run.lines)
+            assert run.code == 0, (play, run.lines)
             assert replies in (None, sent(run)), (play, run.lines)
             said = [line for line in run.lines if "; try " in line]
             assert said[: len(tries)] == tries, (play, said)
             assert said == tries or play not in (younger, refuses)
-    assert "gave up: no reply in 1 try of up to 0.3 s; is the server running" in "\n".join(found[-1].lines)
 
 
 # The Python client in code

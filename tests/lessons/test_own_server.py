@@ -8,7 +8,6 @@ import os
 import re
 import select
 import signal
-import subprocess
 import sys
 import threading
 import time
@@ -291,15 +290,12 @@ print("and on")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Ctrl-C cannot be sent there")
-def test_ctrl_c_ends_serve_and_the_program_goes_on():
-    words = [sys.executable, "-c", SERVE]
-    with subprocess.Popen(words, cwd=ROOT / "python", stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as run:
-        line = run.stderr.readline()
-        assert line.startswith("listening on tcp://127.0.0.1:")
-        with LazyPirate(line.split()[-1], timeout=PATIENT) as pirate:
-            assert pirate.request("hi") == "HI"
-        run.send_signal(signal.SIGINT)
-        assert run.communicate(timeout=LIMIT) == ("and on\n", "")
+def test_ctrl_c_ends_serve_and_the_program_goes_on(start):
+    program = start(sys.executable, "-c", SERVE, folder=ROOT / "python")
+    with LazyPirate(program.wait_for(r"^listening on (\S+)$")[1], timeout=PATIENT) as pirate:
+        assert pirate.request("hi") == "HI"
+    assert program.stop(signal.SIGINT) == 0
+    assert program.lines[1:] == ["and on"]
 
 
 # Each program prints this, and nothing else, and ends.

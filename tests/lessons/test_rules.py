@@ -1,4 +1,4 @@
-"""Each Python client of lessons 02 to 07 says in one line which value it cannot use (in C#: test_csharp_rules.py)."""
+"""Each Python client of lessons 02 to 08, and each public C# class, says in one line which value it cannot use."""
 
 from __future__ import annotations
 
@@ -222,3 +222,11 @@ def test_what_cannot_be_waited_for_is_named(context):
             for timeout in (*wrong, NAN, INFINITE, "", "1"):
                 with pytest.raises(ValueError, match=r"^timeout takes seconds, "):
                     receive(timeout)
+
+
+def test_csharp_classes_name_what_they_cannot_use(checks, start):
+    """checks/RuleChecks.cs finds their constructors."""
+    program = start("dotnet", checks, "rules")
+    assert program.wait() == 0, program.output
+    assert [line for line in program.lines if not line.endswith(": refused")] == []
+    assert len(program.lines) > 200
