@@ -281,28 +281,15 @@ namespace NetMQExample.Tests
 
             // Where nobody listens.
             var unanswered = new BackgroundClient("tcp://127.0.0.1:1");
-            async Task<string> Interrupted()
-            {
-                try
-                {
-                    return await unanswered.RequestAsync("hello");
-                }
-                catch (ObjectDisposedException e)
-                {
-                    Equal(thread, Environment.CurrentManagedThreadId);
-                    return e.Message;
-                }
-            }
-            var interrupted = Interrupted();
+            var interrupted = unanswered.RequestAsync("hello");
             unanswered.Dispose();
             Check(interrupted.IsCompleted, "Dispose left an await waiting");
-            Equal("the client was disposed", interrupted.Result);
+            Equal("the client was disposed", Throws<ObjectDisposedException>(() => interrupted.GetAwaiter().GetResult()).Message);
             Throws<ObjectDisposedException>(() => unanswered.RequestAsync("hello").GetAwaiter().GetResult());
             using var hasty = new BackgroundClient("tcp://127.0.0.1:1", TimeSpan.FromMilliseconds(1), tries: 1);
             var late = hasty.RequestAsync("hello");
             Until(() => late.IsCompleted, hasty);
             Throws<TimeoutException>(() => late.GetAwaiter().GetResult());
-            Throws<ArgumentException>(() => hasty.RequestAsync(new string('x', 70_000)).GetAwaiter().GetResult());
             client.Dispose();
         }
 
@@ -370,8 +357,6 @@ namespace NetMQExample.Tests
                 var task = client.AskAsync<object, Order>(wrong);
                 Throws<Newtonsoft.Json.JsonException>(() => task.GetAwaiter().GetResult());
             }
-            var tooLong = new Wish { reply = new string('x', 70_000) };
-            Throws<ArgumentException>(() => client.Ask<Wish, Order>(tooLong, null, null));
         }
 
         // The server does not answer.
