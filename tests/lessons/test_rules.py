@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Callable
 
 import pytest
 import zmq
@@ -86,7 +87,7 @@ def test_what_only_one_of_them_refuses(context):
 
 
 # Each is asked so, by what goes.
-ASKS = {
+ASKS: dict[type, Callable[..., object]] = {
     LazyPirate: lambda it, text="hello": it.request(text),
     BackgroundClient: lambda it, text="hello": it.submit(text).result(LIMIT),
     MessageRequester: lambda it: it.request(Message("look")),

@@ -1,7 +1,9 @@
 """Each Python client that keeps a socket: how it is made for an endpoint, and one use of it, which soon gives up."""
 
+from collections.abc import Callable
 from functools import partial
 from itertools import count
+from typing import Any
 
 import zmq
 
@@ -17,8 +19,8 @@ from netmq_example.security.requester import SecureRequester
 from netmq_example.side_channel.carrier import ClientCarrier
 from netmq_example.topic_listener import TopicListener
 
-SOON = {"timeout": 0.1, "tries": 1}
-USES = {
+SOON: dict[str, Any] = {"timeout": 0.1, "tries": 1}
+USES: dict[str, tuple[Callable[..., Any], Callable[[Any], object]]] = {
     "LazyPirate": (partial(LazyPirate, **SOON), lambda it: it.request("hello")),
     "BackgroundClient": (partial(BackgroundClient, **SOON), lambda it: it.submit("hello").result(60)),
     "ManyRequester": (partial(ManyRequester, **SOON), lambda it: next(it.request_many(["hello"]))),
