@@ -107,7 +107,11 @@ class MovingName:
 
 
 def leaves_nothing_to_collect(cost: str) -> bool:
+<<<<<<< HEAD
     """FrameCost has printed this: no garbage of each frame. On a busy machine a queue grows now and then."""
+=======
+    """By the line of FrameCost: no frame makes garbage. On a busy machine a queue grows now and then."""
+>>>>>>> origin/ta71
     frames, dirty = map(int, re.search(r"(\d+) frames: .* bytes allocated in (\d+) frames$", cost).groups())
     return dirty <= max(2, frames // 50)
 
@@ -283,3 +287,8 @@ class Program(programs.Program):
         self.process.kill()
         self.process.wait()
         self.reader.join(LIMIT)
+
+
+def places(server: Program) -> dict[str, str]:
+    """All endpoints where a server listens: {"listening": …, "snapshots": …}."""
+    return dict(re.findall(r"^(\w+) on ((?:tcp|http)://\S+)$", server.output, re.MULTILINE))

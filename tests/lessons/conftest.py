@@ -1,11 +1,13 @@
-"""What the lessons' tests share: a context for peers that are not the kit's, one request of such a peer, and a server
-of that kind; the C# side of lesson 05's messages without a client around it; and environments, with the simulators
-that they launch, or that answer in the test's own process.
+"""The lessons' tests share peers that are not the kit's, the C# side of lesson 05's messages without a client around
+it, and environments, with the simulators that they launch, or that answer in the test's own process.
 """
 
 import contextlib
+import importlib
 import logging
+import re
 import shutil
+import sys
 import threading
 
 import pytest
@@ -14,14 +16,40 @@ import zmq
 from kitlib.setup import dotnet
 from netmq_example import console, records
 from netmq_example.messages import Message
+from tests.conftest import PYTHON
 from tests.machines import Machines
 from tests.programs import LIMIT, ROOT
 
 
 @pytest.fixture
 def context():
+    """Its sockets leave at once, whatever they have not sent."""
     with zmq.Context() as context:
+        context.linger = 0
         yield context
+
+
+def bind(socket, endpoint="tcp://127.0.0.1:*"):
+    """Let it listen: where that is."""
+    socket.bind(endpoint)
+    return socket.last_endpoint.decode()
+
+
+@pytest.fixture
+def connect(context):
+    """connect(endpoint): a client that is not the kit's. A message for which it would wait for ever fails the test."""
+    with contextlib.ExitStack() as stack:
+
+        def connect(endpoint, kind=zmq.DEALER, subscribe=None, **options):
+            client = stack.enter_context(context.socket(kind))
+            for name, value in {"sndhwm": 0, "rcvhwm": 0, "rcvtimeo": int(1000 * LIMIT), **options}.items():
+                setattr(client, name, value)
+            if subscribe is not None:
+                client.subscribe(subscribe)
+            client.connect(endpoint)
+            return client
+
+        yield connect
 
 
 @pytest.fixture
@@ -46,6 +74,40 @@ def messages_program(checks):
     return ["dotnet", checks, "messages"]
 
 
+def server_of(key):
+    """The module of this lesson's server."""
+    sys.path.insert(0, str(ROOT / "python" / key))
+    try:
+        return importlib.import_module("server")
+    finally:
+        sys.path.pop(0)
+        sys.modules.pop("server", None)
+
+
+@pytest.fixture
+def serve_own(start, tmp_path):
+    """serve_own("04_background_client", "def answer(text): …"): a lesson's server with an answer of one's own."""
+
+    def serve_own(key, answer, *words):
+        (tmp_path / "own.py").write_text(f"import server\n{answer}\nserver.answer = answer\nserver.main()\n")
+        words = ["--endpoint", "tcp://127.0.0.1:0", *words]
+        server = start(PYTHON, tmp_path / "own.py", *words, folder=tmp_path, PYTHONPATH=str(ROOT / "python" / key))
+        return server, server.wait_for(r"^listening on (\S+)")[1]
+
+    return serve_own
+
+
+@pytest.fixture
+def game(start, request):
+    """game(): a C# program that serves, and its endpoint. Its answers are in tests/lessons/checks/ServerChecks.cs."""
+
+    def game(*words):
+        server = start("dotnet", request.getfixturevalue("checks"), "server", "serve", *words)
+        return server, server.wait_for(r"^listening on (tcp://127\.0\.0\.1:\d+)$")[1]
+
+    return game
+
+
 @pytest.fixture(scope="module")
 def machines():
     if not shutil.which("ip"):
@@ -62,7 +124,6 @@ def machines():
 def ask(context, endpoint, *frames, kind=zmq.REQ):
     """One request of a client that is not the kit's; the reply's frames."""
     with context.socket(kind) as asker:
-        asker.linger = 0
         asker.connect(endpoint)
         asker.send_multipart(frames)
         assert asker.poll(100_000), f"no reply to {frames!r:.80}"
@@ -81,8 +142,7 @@ def answering(context, answer):
                     rep.send_multipart(answer(rep.recv_multipart()))
 
     rep = context.socket(zmq.REP)
-    rep.linger = 0
-    endpoint = f"tcp://127.0.0.1:{rep.bind_to_random_port('tcp://127.0.0.1')}"
+    endpoint = bind(rep)
     thread = threading.Thread(target=serve)
     thread.start()
     try:
@@ -90,6 +150,17 @@ def answering(context, answer):
     finally:
         over.set()
         thread.join()
+
+
+def on_the_circle(body, ahead):
+    """Where the pose after this one is, of lessons 03 and 07, if this one is where the one before it said."""
+    assert re.fullmatch(r"(-?\d\.\d{4} ){6}-?\d\.\d{4}", body), body
+    x, y, z, qx, qy, qz, qw = map(float, body.split(" "))
+    assert (x * x + z * z, y) == (pytest.approx(4, abs=0.01), 0)
+    assert qx * qx + qy * qy + qz * qz + qw * qw == pytest.approx(1, abs=0.001)
+    assert ahead is None or (x, z) == pytest.approx(ahead, abs=0.001)
+    # Unity's forward is (0, 0, 1) turned by the rotation.
+    return x + (qx * qz + qw * qy) / 15, z + (1 - 2 * (qx * qx + qy * qy)) / 30
 
 
 @pytest.fixture

@@ -13,7 +13,6 @@ import pytest
 import zmq
 
 from netmq_example import replies, trouble
-from tests.bad_peers import ProtocolBreaker
 from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.conftest import answering, ask
 from tests.programs import PATIENT, ROOT, finished, steady_endpoint
@@ -54,15 +53,6 @@ def test_a_second_request_before_the_reply_is_refused(kind, refusal, serve, run)
         "1: sent Hello, received World",
         "done: 1 replies",
     ]
-
-
-@pytest.mark.parametrize("kind", ["python", "csharp"])
-def test_a_reply_that_comes_too_late(kind, serve, run):
-    _, endpoint = serve(KEY, "--delay", "60")
-    client = run(kind, KEY, "--endpoint", endpoint, "--timeout", "0.2")
-    assert client.code == 1, client
-    cure = "is the server running, or its reply over 64 KB?"
-    assert client.lines[-1] == f"gave up: no reply from {endpoint} within 0.2 s; {cure}"
 
 
 SLOW = {"RES_OPTIONS": "timeout:30 attempts:5"}
@@ -119,7 +109,7 @@ def test_a_bad_request_gets_an_error_and_the_next_one_an_answer(serve, context):
         # The second and the third as the clients of older tutorials send it.
         for hello in b"Hello", b"Hello\0", b"Hello ":
             assert ask(context, endpoint, hello) == [b"World"], name
-    # Whoever asked knows it: a flood of bad requests is no flood of lines.
+    # The client knows it: a flood of bad requests is no flood of lines.
     for _ in range(20):
         assert ask(context, endpoint, b"\x1b[2J") == [rb"error: expected Hello, got '\x1b[2J'"]
     assert ask(context, endpoint, b"Hello") == [b"World"]
@@ -149,7 +139,7 @@ def test_a_busy_server_ends_at_once(serve, context):
 
 
 def shown(text):
-    """What the clients make of a reply; Python's own isprintable() is the judge."""
+    """The clients show a reply so; Python's own isprintable() is the judge."""
     return "".join(c if c.isprintable() else "?" for c in text[:200]) + ("…" if len(text) > 200 else "")
 
 
@@ -184,17 +174,6 @@ def test_a_reply_that_is_too_large_is_not_read(kind, run, context):
     assert client.lines[1] == f"1: sent Hello, received {'x' * 200}…"
     assert client.lines[2].startswith("gave up: no reply from ")
     assert client.lines[2].endswith("; is the server running, or its reply over 64 KB?")
-
-
-@pytest.mark.parametrize("kind", CLIENTS)
-def test_a_client_does_not_wait_for_ever_to_send(kind, run):
-    """After a peer that broke the protocol there may be no connection any more to send the next request on."""
-    with ProtocolBreaker(lambda frames: [b"World"]) as peer:
-        client = run(kind, KEY, "--endpoint", peer.endpoint, "--count", "30", "--timeout", "5")
-    assert client.lines[1] == "1: sent Hello, received World"
-    # libzmq does not connect to such a peer again, NetMQ does.
-    end = ["done: 30 replies", f"gave up: no reply from {peer.endpoint} within 5 s; is the server running, or "]
-    assert client.lines[-1].startswith(end[client.code]), client
 
 
 def test_a_mistake_in_ones_own_answer_is_told_to_both_sides(printed, monkeypatch):

@@ -243,7 +243,7 @@ def test_in_lockstep_the_world_waits_and_brakes_for_the_action_that_does_not_com
     client = start(*client_command(kind, KEY, there.endpoint, *words))
     assert client.wait() == 0, client.output
     client.wait_for("^trouble: no reply from")
-    # What was sent while the server slept comes on connections that are closed by now, in any order.
+    # The messages to the sleeping server come on connections that are closed by now, in any order.
     frames = {frame.id: frame.values for frame in there.frames}
     assert sorted(frames) == list(range(len(there.frames))), "each step's picture, and each once"
     assert [frames[number]["brake"] for number in (19, 20, max(frames))] == [0, 1, 0]

@@ -80,7 +80,7 @@ JPEGS = {
 @pytest.mark.parametrize(("make", "code"), JPEGS.values(), ids=JPEGS.keys())
 @pytest.mark.timeout(60)
 def test_a_jpeg_of_every_sort(make, code):
-    """What would take a minute or more ends at the test's limit."""
+    """One that would take a minute or more ends at the test's limit."""
     pytest.importorskip("PIL.Image", **PILLOW)
     values = {"frame": 5, "run": "", "manual": False, "cameras": "center", "encoding": "jpeg"}
     numbers = dict.fromkeys(("sim_time", "wall_time", "throttle", "brake", "steer", "speed"), 0.0)
@@ -117,9 +117,12 @@ def test_without_pillow_it_says_so(monkeypatch):
 # The C# side
 
 
-def test_a_pooled_requester_that_was_refused_asks_again_and_uses_its_buffers_again(messages_program, context):
+@pytest.mark.parametrize("kind", ["plain", "pooled"])
+def test_a_requester_that_was_refused_asks_again_and_a_pooled_one_uses_its_buffers_again(
+    kind, messages_program, context
+):
     with answering(context, echo) as endpoint:
-        done = finished([*messages_program, "ask", "pooled", endpoint])
-    *said, allocated = done.stdout.splitlines()[1:]
-    assert said == ["5 unknown-kind: only echo", "230400 bytes"], done.stderr
-    assert int(allocated) < 23_040, "less than a tenth of one picture"
+        done = finished([*messages_program, "ask", kind, endpoint])
+    _, refused, size, *allocated = done.stdout.splitlines()
+    assert [refused, size] == ["5 unknown-kind: only echo", "230400 bytes"], done.stderr
+    assert kind == "plain" or int(allocated[0]) < 23_040, "less than a tenth of one picture"

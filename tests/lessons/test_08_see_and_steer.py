@@ -129,16 +129,6 @@ def test_the_numbered_picture_is_the_recorded_one_and_a_replay_gives_the_same_ac
         assert [int(row["frame"]) for row in check_recording(one)] == list(range(30))
 
 
-def test_a_picture_of_each_csharp_camera_is_recorded(serve, start, client_command, ask, tmp_path):
-    _, endpoint = serve(KEY, "--record", "runs")
-    words = ["--cameras", "left,center,right", "--count", "10", *PATIENT]
-    client = start(*client_command("csharp", KEY, endpoint, *words))
-    assert client.wait() == 0, client.output
-    ask(endpoint, Message("nothing"))
-    numbers = [int(row["frame"]) for row in check_recording(tmp_path / "runs" / "run_0001")]
-    assert numbers == sorted(set(numbers)) and len(numbers) == 10
-
-
 def recorded(folder, count, cameras="center", jpeg=False, size=8):
     """A recording made here, of pictures that are all one grey."""
     keeper, names = Recorder(folder), cameras.split(",")
@@ -160,14 +150,8 @@ def test_three_kinds_of_reader_open_a_recording(tmp_path):
     assert numbers == lines[1:] and all(len(line) == 7 for line in lines)
     assert lines[0] == ["center", "left", "right", "steering", "throttle", "brake", "speed"]
     assert [line[0].split("/")[-1] for line in numbers] == [f"center_{i:06}.jpg" for i in range(12)]
-    # What pandas makes of it: columns of numbers by their names.
-    try:
-        pandas = importlib.import_module("pandas")
-    except ImportError:
-        steering = [float(row["steering"]) for row in rows(folder, "driving_log.csv")]
-    else:
-        steering = list(pandas.read_csv(folder / "driving_log.csv")["steering"])
-    assert steering == [i / 100 for i in range(12)]
+    # A third reads columns of numbers by their names.
+    assert [float(row["steering"]) for row in rows(folder, "driving_log.csv")] == [i / 100 for i in range(12)]
     # An imagefolder: metadata.csv at its top, `file_name` or several of them, relative and with a slash.
     stereo = recorded(tmp_path / "stereo", 2, "left,right")
     for where, names in (folder, ["file_name"]), (stereo, ["left_file_name", "right_file_name"]):
@@ -410,23 +394,19 @@ def test_the_driver_sees_the_road_in_any_light_and_size(change, camera, road):
         assert steer == pytest.approx(driver.follow_road(picture, 8.0)[2], abs=0.1), at
 
 
-def test_lerobots_reader_gets_the_pictures(start, context, ask, plain):
-    """What its ZMQCamera does, again: src/lerobot/cameras/zmq/camera_zmq.py of huggingface/lerobot."""
+def test_lerobots_reader_gets_the_pictures(start, connect, ask, plain):
+    """It reads as LeRobot's ZMQCamera does: src/lerobot/cameras/zmq/camera_zmq.py of huggingface/lerobot."""
     words = ["--endpoint", "tcp://127.0.0.1:0", "--publish", "tcp://127.0.0.1:0"]
     bridge = start(PYTHON, LESSON / "lerobot_camera.py", *words)
     endpoint = bridge.wait_for(r"^listening on (\S+)")[1]
     published = bridge.wait_for(r"^publishing on (\S+)")[1]
-    with context.socket(zmq.SUB) as camera:
-        camera.setsockopt_string(zmq.SUBSCRIBE, "")
-        camera.setsockopt(zmq.CONFLATE, True)
-        camera.linger = 0
-        camera.connect(published)
-        for number in itertools.count():
-            assert ask(endpoint, frame(number, plain, wall_time=12.5)).values["frame"] == number
-            if camera.poll(100):
-                break
-            assert number < 200, "nothing is published"
-        data = json.loads(camera.recv_string())
+    camera = connect(published, zmq.SUB, "")
+    for number in itertools.count():
+        assert ask(endpoint, frame(number, plain, wall_time=12.5)).values["frame"] == number
+        if camera.poll(100):
+            break
+        assert number < 200, "nothing is published"
+    data = json.loads(camera.recv_string())
     assert data["timestamps"] == {"center": 12.5}
     file = np.frombuffer(base64.b64decode(data["images"]["center"]), np.uint8)
     # cv2.imdecode gives blue first, and LeRobot says of it that red comes first.
@@ -434,7 +414,7 @@ def test_lerobots_reader_gets_the_pictures(start, context, ask, plain):
     assert np.abs(seen.astype(int) - plain).mean() < 4
 
 
-# What can go wrong
+# Everything that can go wrong
 
 
 def test_a_kill_loses_at_most_the_last_picture(serve, start, client_command, tmp_path):
@@ -524,7 +504,6 @@ def test_numbers_that_go_back_are_recorded_and_none_twice(tmp_path):
     assert [int(row["frame"]) for row in rows(tmp_path / "run_0001")] == [5, 3, 2**53 - 1, 4]
 
 
-FILE = encode(GREY)
 WRONG = {
     "mono for stereo": (frame(7, GREY, cameras="left,right"), "bad-cameras"),
     "stereo for mono": (frame(7, GREY, GREY), "bad-cameras"),
@@ -535,7 +514,6 @@ WRONG = {
     "two channels": (frame(7, GREY[:, :, :2]), "bad-shape"),
     "nothing": (frame(7, GREY[:0]), "bad-shape"),
     "floats": (Message("frame", 7, VALUES | {"frame": 7}, [Array("float32", (1, 1, 3), bytes(12))]), "bad-shape"),
-    "half a file": (frame(7, FILE[: len(FILE) // 2], encoding="jpeg"), "bad-jpeg"),
     "no file": (frame(7, b"GIF89a", encoding="jpeg"), "bad-jpeg"),
     "raw said to be jpeg": (frame(7, GREY, encoding="jpeg"), "bad-shape"),
     "another number": (frame(7, GREY, frame=8), "wrong-frame"),
@@ -635,13 +613,3 @@ def test_a_picture_that_cannot_be_used_is_refused_and_the_others_recorded(tmp_pa
     for number in (2, 3):
         assert ask(endpoint, frame(number)).kind == "action"
     assert (tmp_path / "runs" / "run_0001" / "IMG" / "center_000002.jpg").exists()
-
-
-def test_pictures_of_1080p(serve, ask, tmp_path, plain):
-    """6 MB each, raw."""
-    _, endpoint = serve(KEY, "--record", "runs")
-    large = np.ascontiguousarray(np.asarray(Image.fromarray(plain.copy()).resize((1920, 1080))))
-    action = ask(endpoint, frame(1, large))
-    assert (action.values["frame"], action.values["steer"]) == (1, pytest.approx(driver.follow_road(large, 8.0)[2]))
-    ask(endpoint, Message("nothing"))
-    assert [(row["width"], row["height"]) for row in rows(tmp_path / "runs" / "run_0001")] == [("1920", "1080")]

@@ -1,15 +1,24 @@
-"""A far server is reached: over a line with a round trip of 600 ms, of which a new connection takes four or more.
+"""Servers that are far, break ZeroMQ's protocol or are another's are no trouble: tests/bad_peers.py has the first two.
 
-tests/bad_peers.py has the line. Those clients are here whose tries make a new socket each.
+The far one is behind a line with a round trip of 600 ms, of which a new connection takes four or more.
 """
+
+import contextlib
+import time
 
 import pytest
 
-from tests.bad_peers import SlowLine
+from netmq_example.messages import Message
+from tests.bad_peers import ProtocolBreaker, SlowLine
+from tests.programs import places, two_ports
 
 ROUND_TRIP = 0.6
-# What the client is told, and the line by which it has been answered.
+# A client's words, and the line by which it has been answered.
 CASES = {
+    "02_lazy_pirate": (["--tries", "20"], "^1: sent add 1, received 1$"),
+    "03_publish_subscribe": (["--every", "1"], "^received pose/"),
+    "04_background_client": ([], "^1: sent hello, received world$"),
+    "07_catch_up": (["--every", "1"], "^[0-9]+: at "),
     "08_see_and_steer": (["--every", "1"], "^frame [0-9]+: age"),
     "09_environment": ([], "^simulating .* for "),
     "10_many_agents": ([], "^simulating .* for "),
@@ -26,5 +35,50 @@ CASES = {
 @pytest.mark.parametrize("key", CASES)
 def test_a_far_server_is_reached(key, kind, serve, start, client_command):
     words, answered = CASES[key]
-    with SlowLine(serve(key)[1], ROUND_TRIP) as line:
-        start(*client_command(kind, key, line.endpoint, *words)).wait_for(answered)
+    server, _ = serve(key)
+    with contextlib.ExitStack() as stack:
+        far = {name: stack.enter_context(SlowLine(place, ROUND_TRIP)) for name, place in places(server).items()}
+        others = [word for name, line in far.items() if name != "listening" for word in (f"--{name}", line.endpoint)]
+        client = start(*client_command(kind, key, far["listening"].endpoint, *others, *words))
+        client.wait_for(answered)
+
+
+# A server's answer before it breaks the protocol, and the client's line about that.
+BROKEN = {
+    "01_request_reply": (lambda frames: [b"World"], "1: sent Hello, received World"),
+    "02_lazy_pirate": (lambda frames: [frames[0], b"1"], "1: sent add 1, received 1"),
+    "05_messages": (
+        lambda frames: Message("ok", 1, {"a": 1}).frames(),
+        "1: sent frame 1, 230400 bytes; brightest at a 1",
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+@pytest.mark.parametrize("key", BROKEN)
+def test_a_server_that_breaks_the_protocol_holds_no_client(key, kind, run):
+    """There may be no connection any more to send the next request on, for which a client must not wait for ever."""
+    answer, first = BROKEN[key]
+    with ProtocolBreaker(answer) as peer:
+        client = run(kind, key, "--endpoint", peer.endpoint, "--count", "5", "--timeout", "2")
+    assert client.lines[1] == first
+    # NetMQ connects to such a peer again, libzmq does not. Lesson 02 makes a new socket.
+    end = ["done: 5 replies", f"gave up: no reply from {peer.endpoint} within 2 s; is the server running, or "]
+    assert client.lines[-1].startswith(end[client.code]), client
+    assert client.code == 0 or key != "02_lazy_pirate"
+
+
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+@pytest.mark.parametrize("key", ["03_publish_subscribe", "07_catch_up"])
+def test_the_right_publisher_is_found_after_the_wrong_server(key, kind, serve, start, client_command):
+    """After a peer that is no publisher, libzmq never connects again by itself."""
+    endpoint = two_ports()
+    wrong, _ = serve("01_request_reply", endpoint=endpoint)
+    client = start(*client_command(kind, key, endpoint, "--count", "3", "--timeout", "25"))
+    client.wait_for("^(listening|following) ")
+    # Not a wait for something: that long the wrong server has the port.
+    time.sleep(0.5)
+    wrong.kill()
+    serve(key, endpoint=endpoint)
+    assert client.wait() == 0, client.output
+    assert client.lines[-1].startswith("done: received 3")

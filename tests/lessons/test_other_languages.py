@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 import zmq
 
-from tests.lessons.conftest import ask
+from tests.lessons.conftest import ask, bind
 from tests.programs import ROOT, steady_endpoint
 
 KEY = "01_request_reply"
@@ -144,19 +144,10 @@ def test_our_client_and_their_server(language, serve_in, start, client_command, 
         rep.bind(endpoint)
 
 
-@pytest.mark.xdist_group("in C")
-def test_the_csharp_client_and_a_server_in_c(serve_in, start, client_command):
-    _, endpoint = serve_in("C")
-    client = start(*client_command("csharp", KEY, endpoint))
-    assert client.wait() == 0, client.output
-    assert client.lines == [f"asking {endpoint}", *TEN]
-
-
 @each_language
 def test_a_client_shows_any_reply_in_one_line_and_gives_up(language, programs, start, context):
     with context.socket(zmq.REP) as rep:
-        rep.linger = 0
-        endpoint = f"tcp://127.0.0.1:{rep.bind_to_random_port('tcp://127.0.0.1')}"
+        endpoint = bind(rep)
         client = start(*programs(language)[0], endpoint)
         for reply in ([b"\x1b[2J one\r\n2: \xe2\x80\xae\xff"], [b"World", b"and more"], [b"x" * 60_000]):
             assert rep.poll(100_000)
@@ -190,9 +181,3 @@ def test_no_server_a_bad_endpoint_and_a_taken_port_are_one_line(language, progra
     assert alone.wait() == 1, alone.output
     give_up = f"gave up: no reply from {nobody} within 2.5 s; is the server running?"
     assert alone.lines == [f"asking {nobody}", give_up]
-
-
-def test_each_is_short():
-    for path in FOLDER.glob("*.*"):
-        text = path.read_text(encoding="utf-8").splitlines()
-        assert len([line for line in text if line.strip() and not line.strip().startswith("//")]) <= 30, path

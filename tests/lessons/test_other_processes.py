@@ -1,4 +1,4 @@
-"""What crosses to another process, or is used in one: errors, copies, sockets after a fork; and programs whose console
+"""Errors, copies and sockets cross to another process, or are used in one after a fork; and programs whose console
 is a notebook's, or nobody's.
 """
 
@@ -13,7 +13,6 @@ import shlex
 import subprocess
 import sys
 import threading
-from typing import Any
 
 import pytest
 import zmq
@@ -25,6 +24,8 @@ from netmq_example.messages import MessageError
 from netmq_example.one_process import OneProcess
 from netmq_example.program import reply_to
 from tests.conftest import PYTHON
+from tests.lessons.conftest import ask
+from tests.lessons.uses import USES
 from tests.programs import LIMIT, ROOT, finished, steady_endpoint
 
 posix = pytest.mark.skipif(sys.platform == "win32", reason="Windows neither forks nor fills a pipe that way")
@@ -45,13 +46,6 @@ def classes(kind):
     return [each for each in found if issubclass(each, kind) and each.__module__.startswith("netmq_example")]
 
 
-def test_a_class_stays_visible_to_a_type_checker():
-    """To pyright and Pylance a call makes what __new__ returns. Any has no methods that they could offer."""
-    made = {kind.__name__: kind.__new__.__annotations__ for kind in classes(object) if "__new__" in vars(kind)}
-    assert {"OneProcess"} <= made.keys()
-    assert [name for name, hints in made.items() if hints.get("return") is Any] == []
-
-
 # An error comes whole
 
 
@@ -70,43 +64,7 @@ def test_each_error_survives_what_libraries_do_with_it():
             assert {(other.code, other.text) for other in again} == {(error.code, error.text)}
 
 
-WORKERS = """
-import multiprocessing, sys, warnings
-from concurrent.futures import ProcessPoolExecutor
-sys.path[:0] = [{python!r}]
-import gymnasium
-from netmq_example.messages import MessageError
-
-class Fails(gymnasium.Env):
-    observation_space = action_space = gymnasium.spaces.Discrete(2)
-
-    def reset(self, *, seed=None, options=None):
-        fails(0)
-
-def fails(_):
-    raise MessageError("bad-option", "low and high are numbers", 7)
-
-fork = multiprocessing.get_context("fork")
-warnings.simplefilter("ignore")
-pool, executor = fork.Pool(1), ProcessPoolExecutor(1, fork)
-envs = gymnasium.vector.AsyncVectorEnv([Fails], context="fork")
-for use in lambda: pool.map_async(fails, [0]).get({limit}), executor.submit(fails, 0).result, envs.reset:
-    try:
-        use()
-    except MessageError as error:
-        print(error, error.code)
-envs.close(terminate=True)
-"""
-
-
-@posix
-def test_an_error_comes_out_of_a_worker():
-    pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
-    done = finished([PYTHON, "-c", WORKERS.format(python=str(ROOT / "python"), limit=LIMIT)])
-    assert done.stdout.splitlines() == ["bad-option: low and high are numbers bad-option"] * 3, done
-
-
-# What has a socket has one process
+# An object with a socket has one process
 
 
 def test_what_has_a_socket_or_a_thread_is_not_copied():
@@ -122,63 +80,45 @@ def test_what_has_a_socket_or_a_thread_is_not_copied():
 
 # Made in the parent, used in the child: each would wait there for ever.
 FORKS = """
-import os, sys, threading, zmq
-sys.path[:0] = [{python!r}]
-from netmq_example.background_client import BackgroundClient
-from netmq_example.camera.client import DriverClient
+import os, sys
+sys.path[:0] = [{root!r}, {root!r} + "/python"]
 from netmq_example.envs.connection import FREE_PORT, Simulators
 from netmq_example.fleet.trainer import FleetSocket
-from netmq_example.jobs.client import JobClient
-from netmq_example.lazy_pirate import LazyPirate
-from netmq_example.many_requester import ManyRequester
 from netmq_example.messages import Message
-from netmq_example.pose_stream import PoseSubscriber
-from netmq_example.security.requester import SecureRequester
-from netmq_example.side_channel.carrier import ClientCarrier
 from netmq_example.video.films import Films
+from tests.lessons.uses import USES
 
-context, nowhere = zmq.Context(), "tcp://127.0.0.1:9"
+nowhere = "tcp://127.0.0.1:9"
 simulators = Simulators(FREE_PORT)
-client = BackgroundClient(nowhere)
-job = JobClient(nowhere)
-films = Films(FREE_PORT)
-uses = {{
-    "environment": lambda: simulators.connection.ask(Message("render")),
-    "waiting": lambda: simulators.find(print),
-    "BackgroundClient": lambda: client.request("x", print, print),
-    "LazyPirate": lambda one=LazyPirate(nowhere, context=context): one.request("x"),
-    "ManyRequester": lambda one=ManyRequester(nowhere, context=context): list(one.request_many(["x"])),
-    "DriverClient": lambda one=DriverClient(nowhere): one.send(Message("frame")),
-    "SecureRequester": lambda one=SecureRequester(nowhere): one.request("x"),
-    "JobClient": lambda: next(job.watch(job.ask("status"))),
-    "ClientCarrier": lambda one=ClientCarrier(context, nowhere): one.exchange(b"", 0.1),
-    "Films": lambda: films.wait(0.1),
-    "FleetSocket": lambda one=FleetSocket(nowhere, "CartPole", 1): one.recv_multipart(),
-    "PoseSubscriber": lambda one=PoseSubscriber(nowhere): one.receive(0.1),
+made = {{name: (make(nowhere), use) for name, (make, use) in USES.items()}} | {{
+    "environment": (simulators, lambda it: it.connection.ask(Message("render"))),
+    "waiting": (simulators, lambda it: it.find(print)),
+    "Films": (Films(FREE_PORT), lambda it: it.wait(0.1)),
+    "FleetSocket": (FleetSocket(nowhere, "CartPole", 1), lambda it: it.recv_multipart()),
 }}
 if os.fork():
     os.wait()
 else:
-    for name, use in uses.items():
+    for name, (it, use) in made.items():
         try:
-            use()
+            use(it)
         except RuntimeError as error:
             print(name, error, flush=True)
-    client.close(), simulators.close(), films.close()
+        it.close()
     print("all", flush=True)
 os._exit(0)
 """
 
 
 @posix
-def test_whoever_uses_a_parents_socket_after_a_fork_is_told_at_once():
+def test_the_use_of_a_parents_socket_after_a_fork_is_refused_at_once():
     pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
     pytest.importorskip("PIL", reason="lesson 12 needs pillow: kit.py run 12 installs it")
-    done = finished([PYTHON, "-c", FORKS.format(python=str(ROOT / "python"))])
+    done = finished([PYTHON, "-c", FORKS.format(root=str(ROOT))])
     *lines, last = [line for line in done.stdout.splitlines() if "press Play" not in line]
     assert last == "all", done
     cure = "this was made in another process: make a new one in this process, after the fork"
-    assert len(lines) == 12 and all(line.endswith(f" {cure}") for line in lines), done.stdout
+    assert len(lines) == len(USES) + 4 and all(line.endswith(f" {cure}") for line in lines), done.stdout
 
 
 def test_a_forgotten_client_ends_its_thread():
@@ -188,7 +128,7 @@ def test_a_forgotten_client_ends_its_thread():
             self.client.request("hello", self.hear, self.hear)
 
         def hear(self, text):
-            """A method of whoever has the client, which the thread must not hold."""
+            """The thread must not hold the object of this method, which has the client."""
 
     before = {*threading.enumerate()}
     for _ in range(3):
@@ -205,26 +145,16 @@ def test_a_forgotten_client_ends_its_thread():
 # What is printed ends no server, and does not stop it
 
 
-def ask(endpoint, times=1):
-    with zmq.Context() as context, context.socket(zmq.REQ) as socket:
-        socket.linger, socket.rcvtimeo = 0, int(1000 * LIMIT)
-        socket.connect(endpoint)
-        for _ in range(times):
-            socket.send(b"Hello")
-            reply = socket.recv()
-    return reply
-
-
 @posix
 @pytest.mark.parametrize("console", ["unread", "closed", "full", "none"])
-def test_a_server_goes_on_whatever_becomes_of_its_lines(console, start):
+def test_a_server_goes_on_whatever_becomes_of_its_lines(console, start, context):
     """As it is started by a program that reads one line of it, on a full disk, or without a console."""
     endpoint = steady_endpoint()
     server = [str(PYTHON), str(ROOT / "python" / "01_request_reply" / "server.py"), "--endpoint", endpoint]
     if console in ("full", "none"):
         files = "< /dev/null > /dev/full 2> /dev/full" if console == "full" else "<&- >&- 2>&-"
         program = start("sh", "-c", f'exec "$@" {files}', "sh", *server)
-        assert ask(endpoint, 3) == b"World"
+        assert [ask(context, endpoint, b"Hello") for _ in range(3)] == [[b"World"]] * 3
         program.stop()
         return
     with subprocess.Popen(server, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
@@ -233,7 +163,8 @@ def test_a_server_goes_on_whatever_becomes_of_its_lines(console, start):
             process.stdout.close()
             process.stderr.close()
         # A pipe has room for some 4,000 of its lines.
-        assert ask(endpoint, 6000 if console == "unread" else 3) == b"World"
+        for _ in range(6000 if console == "unread" else 3):
+            assert ask(context, endpoint, b"Hello") == [b"World"]
         process.kill()
 
 
@@ -346,7 +277,7 @@ def test_a_cell_of_a_notebook(tmp_path):
     assert re.fullmatch("gave up: .* True", last), done
 
 
-# Ctrl-C as soon as it listens. What IPython keeps of it holds every object that was there.
+# Ctrl-C as soon as it listens. IPython keeps an end, which holds every object that was there.
 RUN_TWICE = """
 import _thread, io, runpy, sys
 
@@ -425,20 +356,13 @@ TOO_LONG = "answer returned what cannot be sent: a text of 100000 bytes, more th
         ("06_many_in_flight", [b"1", b"sleep 0"]),
     ],
 )
-def test_an_answer_that_no_client_would_take_is_refused_where_it_is_made(key, frames, start, tmp_path):
-    code = (
-        f"import sys; sys.path.insert(0, {str(ROOT / 'python' / key)!r}); import server\n"
-        "server.answer = lambda *_: 'x' * 100_000; server.main()"
-    )
-    server = start(PYTHON, "-c", code, "--endpoint", "tcp://127.0.0.1:0", folder=tmp_path)
-    endpoint = server.wait_for(r"^listening on (\S+)")[1]
-    with zmq.Context() as context, context.socket(zmq.DEALER if key[:2] == "06" else zmq.REQ) as socket:
-        socket.linger, socket.rcvtimeo, socket.maxmsgsize = 0, int(1000 * LIMIT), 65_536
-        socket.connect(endpoint)
-        # A journal gives no answer to a retry that it would not have given at first.
-        for _ in range(2):
-            socket.send_multipart(frames)
-            assert socket.recv_multipart() == [*frames[:-1], f"error: {TOO_LONG}".encode()]
+def test_an_answer_that_no_client_would_take_is_refused_where_it_is_made(key, frames, serve_own, connect):
+    server, endpoint = serve_own(key, "answer = lambda *_: 'x' * 100_000")
+    socket = connect(endpoint, zmq.DEALER if key[:2] == "06" else zmq.REQ)
+    # A journal gives no answer to a retry that it would not have given at first.
+    for _ in range(2):
+        socket.send_multipart(frames)
+        assert socket.recv_multipart() == [*frames[:-1], f"error: {TOO_LONG}".encode()]
     assert server.wait_for(rf"^trouble: {TOO_LONG}")
     assert "Traceback" not in server.output
 

@@ -3,18 +3,15 @@
 import asyncio
 import contextlib
 import gc
-import importlib
 import logging
 import os
 import re
 import select
 import signal
-import subprocess
 import sys
 import threading
 import time
 from concurrent.futures import CancelledError, ThreadPoolExecutor
-from contextlib import closing
 from typing import Any
 
 import pytest
@@ -37,14 +34,13 @@ from netmq_example import (
     Server,
     Timeout,
     TopicListener,
-    json_answer,
 )
 from netmq_example.errors import ListenError
 from netmq_example.security.allow_list import AllowList
 from netmq_example.security.keys import make
 from netmq_example.security.requester import ClientKeys
-from tests.lessons.conftest import ask
-from tests.programs import LIMIT, ROOT, steady_endpoint
+from tests.lessons.conftest import ask, server_of
+from tests.programs import LIMIT, ROOT, finished, steady_endpoint
 
 PATIENT = 60
 
@@ -84,33 +80,6 @@ def server(request, work):
 # Server
 
 
-@pytest.mark.parametrize("kind", ["python", "csharp"])
-def test_the_clients_of_lessons_01_02_04_and_06_can_ask_it(kind, run):
-    with Server(str.upper) as server:
-        for key in ("01_request_reply", "02_lazy_pirate", "04_background_client", "06_many_in_flight"):
-            done = run(kind, key, "--endpoint", server.endpoint, "--count", "1", "--text", "hi", "--timeout", "60")
-            assert "1: sent hi, received HI" in done.lines, (key, done)
-
-
-@pytest.mark.parametrize("kind", ["python", "csharp"])
-def test_with_messages_those_of_lesson_05_can(kind, run):
-    pytest.importorskip("numpy")
-    answer = lesson("05_messages").answer
-    with Server(answer, messages=True) as server:
-        done = run(kind, "05_messages", "--endpoint", server.endpoint, "--count", "2", "--timeout", "60")
-    assert done.lines[-1] == "done: 2 replies", done
-
-
-def lesson(key):
-    """Its server's module."""
-    sys.path.insert(0, str(ROOT / "python" / key))
-    try:
-        return importlib.import_module("server")
-    finally:
-        sys.path.pop(0)
-        sys.modules.pop("server", None)
-
-
 REQUESTS = {
     "01_request_reply": ["Hello", "Hello\0", "", "Häße", "x" * 65_536],
     "04_background_client": ["hello", "echo hi", "echo", "", "ä"],
@@ -121,7 +90,7 @@ REQUESTS = {
 @pytest.mark.parametrize("key", REQUESTS)
 def test_a_lessons_answer_gives_the_same_bytes_behind_it(key, serve, context):
     _, there = serve(key)
-    with Server(lesson(key).answer) as server:
+    with Server(server_of(key).answer) as server:
         for text in REQUESTS[key]:
             frames = [b"7", text.encode()] if key != "01_request_reply" else [text.encode()]
             assert ask(context, server.endpoint, *frames) == ask(context, there, *frames), text
@@ -153,7 +122,7 @@ MISTAKES: dict[str, Any] = {
 @pytest.mark.parametrize("kind", ["text", "workers", "messages", "messages with workers", "journal"])
 @pytest.mark.parametrize("mistake", MISTAKES)
 def test_no_mistake_in_answer_ends_a_thread(mistake, kind, tmp_path, monkeypatch):
-    # What pytest has captured it sends to another process, which half a character would end.
+    # pytest sends the lines that it has captured to another process, which half a character would end.
     monkeypatch.setattr(logging.getLogger("netmq_example.server"), "disabled", True)
 
     def answer(*words):
@@ -177,25 +146,21 @@ def test_no_mistake_in_answer_ends_a_thread(mistake, kind, tmp_path, monkeypatch
         assert client.request(form("good")) == form("good")
 
 
-def test_a_request_that_comes_again_is_not_done_again(server, work, context):
-    id, dealer = b"1" * 16, context.socket(zmq.DEALER)
-    with closing(dealer), context.socket(zmq.DEALER) as other:
-        for socket in (dealer, other):
-            socket.linger = 0
-            socket.connect(server.endpoint)
-        # Not before the first is at work: which connection's message comes first, nobody says.
-        for socket in (dealer, other):
-            socket.send_multipart([id, b"wait"])
-            while not work.done:
-                time.sleep(0.001)
-        work.go.set()
-        assert other.recv_multipart() == [id, b"WAIT"]
-        # Of an id that is not long enough to be nobody else's, each connection has its own.
-        for socket in (dealer, other, dealer):
-            socket.send_multipart([b"1", b"short"])
-            while (frames := socket.recv_multipart())[0] == id:
-                pass
-            assert frames == [b"1", b"SHORT"]
+def test_a_request_that_comes_again_is_not_done_again(server, work, connect):
+    id, dealer, other = b"1" * 16, connect(server.endpoint), connect(server.endpoint)
+    # Not before the first is at work: which connection's message comes first, nobody says.
+    for socket in (dealer, other):
+        socket.send_multipart([id, b"wait"])
+        while not work.done:
+            time.sleep(0.001)
+    work.go.set()
+    assert other.recv_multipart() == [id, b"WAIT"]
+    # Of an id that is not long enough to be nobody else's, each connection has its own.
+    for socket in (dealer, other, dealer):
+        socket.send_multipart([b"1", b"short"])
+        while (frames := socket.recv_multipart())[0] == id:
+            pass
+        assert frames == [b"1", b"SHORT"]
     assert work.done == ["wait", "short", "short"]
 
 
@@ -206,20 +171,17 @@ def test_a_request_may_have_an_id_or_an_empty_frame_or_none(server, context):
     assert ask(context, server.endpoint, b"a", kind=zmq.DEALER) == [b"A"]
 
 
-def test_behind_a_broker_each_client_has_its_own_short_ids(work, context):
-    with Server(work) as server, context.socket(zmq.DEALER) as broker:
-        broker.linger = 0
-        broker.connect(server.endpoint)
-        for client in (b"a", b"b", b"a"):
-            broker.send_multipart([client, b"", b"1", b"add 1"])
-            assert broker.recv_multipart() == [client, b"", b"1", b"ADD 1"]
+def test_behind_a_broker_each_client_has_its_own_short_ids(server, work, connect):
+    broker = connect(server.endpoint)
+    for client in (b"a", b"b", b"a"):
+        broker.send_multipart([client, b"", b"1", b"add 1"])
+        assert broker.recv_multipart() == [client, b"", b"1", b"ADD 1"]
     assert work.done == ["add 1", "add 1"]
 
 
-def test_more_than_its_workers_can_do_is_refused_at_once(work, context):
-    with Server(work, workers=1) as server, context.socket(zmq.DEALER) as dealer:
-        dealer.linger = 0
-        dealer.connect(server.endpoint)
+def test_more_than_its_workers_can_do_is_refused_at_once(work, connect):
+    with Server(work, workers=1) as server:
+        dealer = connect(server.endpoint)
         for number in range(300):
             dealer.send_multipart([b"%d" % number, b"wait %d" % number])
         assert dealer.recv_multipart()[1] == b"error: busy, try again later"
@@ -250,32 +212,16 @@ def test_a_port_that_is_taken_is_one_error_with_its_cure(server):
         Publisher(server.endpoint)
 
 
-def test_its_port_is_free_as_soon_as_it_is_closed():
-    with Server(str.upper) as server:
-        pass
-    for _ in range(20):
-        again = Server(str.upper, server.endpoint)
-        again.close()
-        again.close()
-        with pytest.raises(Closed):
-            again.run()
-    with Publisher(server.endpoint):
-        pass
-
-
-def test_a_beacon_that_nobody_could_ask_for_is_refused():
-    with pytest.raises(ValueError, match=r"^beacon takes 1 to 32 letters"):
-        Server(str.upper, "tcp://0.0.0.0:0", open_to_anyone=True, beacon="my lab")
-
-
 def test_only_this_machine_may_ask_unless_it_is_said():
     for make_one in (Server, lambda _, endpoint, **words: Publisher(endpoint, **words)):
         with pytest.raises(ValueError, match=r"^'tcp://0\.0\.0\.0:0' would let anyone in"):
             make_one(str.upper, "tcp://0.0.0.0:0")
         make_one(str.upper, "tcp://0.0.0.0:0", open_to_anyone=True).close()
+    with pytest.raises(ValueError, match=r"^beacon takes 1 to 32 letters"):
+        Server(str.upper, "tcp://0.0.0.0:0", open_to_anyone=True, beacon="my lab")
 
 
-def test_close_on_another_thread_and_in_answer_ends_run():
+def test_close_in_answer_ends_run():
     own: Any = Server(lambda text: own.close() or text)
     thread = threading.Thread(target=own.run)
     thread.start()
@@ -284,27 +230,27 @@ def test_close_on_another_thread_and_in_answer_ends_run():
         pirate.request("hi", within=0.2)
     thread.join(LIMIT)
     assert not thread.is_alive()
-    server = Server(str.upper)
-    thread = threading.Thread(target=server.run)
-    thread.start()
-    server.close()
-    thread.join(LIMIT)
-    assert not thread.is_alive()
 
 
-def test_close_returns_when_the_port_is_free():
-    for number in range(20):
+@pytest.mark.parametrize("use", ["not run", "not asked", "asked"])
+def test_close_returns_when_the_port_is_free(use):
+    for _ in range(10):
         server = Server(str.upper)
-        thread = threading.Thread(target=server.run)
+        thread = threading.Thread(target=server.run if use != "not run" else server.close)
         thread.start()
-        if number % 2:
+        if use == "asked":
             with LazyPirate(server.endpoint, timeout=PATIENT) as pirate:
                 pirate.request("hi")
         server.close()
+        server.close()
         Server(str.upper, server.endpoint).close()
-        thread.join(LIMIT)
-        with pytest.raises(Closed), server:
+        with Publisher(server.endpoint):
             pass
+        thread.join(LIMIT)
+        assert not thread.is_alive()
+        for again in (server.run, server.__enter__):
+            with pytest.raises(Closed):
+                again()
 
 
 def test_what_ctrl_c_ended_is_closed():
@@ -344,18 +290,17 @@ print("and on")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Ctrl-C cannot be sent there")
-def test_ctrl_c_ends_serve_and_the_program_goes_on():
-    words = [sys.executable, "-c", SERVE]
-    with subprocess.Popen(words, cwd=ROOT / "python", stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as run:
-        line = run.stderr.readline()
-        assert line.startswith("listening on tcp://127.0.0.1:")
-        with LazyPirate(line.split()[-1], timeout=PATIENT) as pirate:
-            assert pirate.request("hi") == "HI"
-        run.send_signal(signal.SIGINT)
-        assert run.communicate(timeout=LIMIT) == ("and on\n", "")
+def test_ctrl_c_ends_serve_and_the_program_goes_on(start):
+    program = start(sys.executable, "-c", SERVE, folder=ROOT / "python")
+    with LazyPirate(program.wait_for(r"^listening on (\S+)$")[1], timeout=PATIENT) as pirate:
+        assert pirate.request("hi") == "HI"
+    assert program.stop(signal.SIGINT) == 0
+    assert program.lines[1:] == ["and on"]
 
 
-WHILE_IT_IS_MADE = """
+# Each program prints this, and nothing else, and ends.
+END_BY_THEMSELVES = {
+    "Ctrl-C while serve begins": """
 import signal, zmq
 from netmq_example import serve
 original = zmq.Context.socket
@@ -365,41 +310,38 @@ def socket(*words):
     return made
 zmq.Context.socket = socket
 serve(str.upper, "tcp://127.0.0.1:0")
-print("and on")
-"""
-
-
-def test_ctrl_c_while_serve_begins_ends_it_too():
-    words = [sys.executable, "-c", WHILE_IT_IS_MADE]
-    done = subprocess.run(words, cwd=ROOT / "python", capture_output=True, text=True, timeout=LIMIT, check=False)
-    assert (done.returncode, done.stdout, done.stderr) == (0, "and on\n", "")
-
-
-LEFT = """
+print("the end")
+""",
+    "threads that are left": """
 import threading
 from netmq_example import BackgroundClient, Server
 server = Server(lambda text: threading.Event().wait(), workers=2).__enter__()
 client = BackgroundClient(server.endpoint, window=2)
 client.submit("for ever")
-print("end")
-"""
+print("the end")
+""",
+}
 
 
-def test_threads_that_are_left_end_with_the_program():
-    words = [sys.executable, "-W", "error", "-c", LEFT]
-    done = subprocess.run(words, cwd=ROOT / "python", capture_output=True, text=True, timeout=LIMIT, check=False)
-    assert (done.returncode, done.stdout, done.stderr) == (0, "end\n", "")
+@pytest.mark.parametrize("script", END_BY_THEMSELVES.values(), ids=END_BY_THEMSELVES)
+def test_a_program_ends_in_spite_of(script):
+    done = finished([sys.executable, "-W", "error", "-c", script], cwd=ROOT / "python")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "the end\n", "")
 
 
-def test_its_keys_let_in_only_those_on_the_list(tmp_path):
-    keys = tmp_path / "keys"
-    make(keys, "server")
-    own = ClientKeys(keys)
-    (keys / "allowed").mkdir(exist_ok=True)
-    (keys / "client.key").replace(keys / "allowed" / "alice.key")
-    with Server(str.upper, keys=AllowList(keys)) as server:
-        with LazyPirate(server.endpoint, timeout=PATIENT, keys=own) as pirate:
-            assert pirate.request("hi") == "HI"
+@pytest.fixture
+def alice(tmp_path):
+    """The keys of a server, those of the one client that it lets in, and the file by which it does."""
+    folder = tmp_path / "keys"
+    make(folder, "server")
+    own = ClientKeys(folder)
+    (folder / "allowed").mkdir(exist_ok=True)
+    return AllowList(folder), own, (folder / "client.key").replace(folder / "allowed" / "alice.key")
+
+
+def test_its_keys_let_in_only_those_on_the_list(alice):
+    keys, own, _ = alice
+    with Server(str.upper, keys=keys) as server:
         with BackgroundClient(server.endpoint, timeout=PATIENT, keys=own) as client:
             assert client.submit("hi").result(LIMIT) == "HI"
         with ManyRequester(server.endpoint, timeout=PATIENT, keys=own) as requester:
@@ -409,12 +351,8 @@ def test_its_keys_let_in_only_those_on_the_list(tmp_path):
 
 
 @pytest.mark.parametrize("kind", ["text", "messages", "journal"])
-def test_a_revoked_key_is_refused_from_then_on(kind, tmp_path):
-    keys = tmp_path / "keys"
-    make(keys, "server")
-    own = ClientKeys(keys)
-    (keys / "allowed").mkdir(exist_ok=True)
-    alice = (keys / "client.key").replace(keys / "allowed" / "alice.key")
+def test_a_revoked_key_is_refused_from_then_on(kind, alice, tmp_path):
+    keys, own, file = alice
     asked = []
 
     def answer(*words):
@@ -426,25 +364,26 @@ def test_a_revoked_key_is_refused_from_then_on(kind, tmp_path):
     ask, request = kinds if messages else (LazyPirate, "hi")
     with (
         Journal(tmp_path / "journal.sqlite3") as journal,
-        Server(
-            answer, messages=messages, keys=AllowList(keys), journal=journal if kind == "journal" else None
-        ) as server,
+        Server(answer, messages=messages, keys=keys, journal=journal if kind == "journal" else None) as server,
         ask(server.endpoint, timeout=PATIENT, keys=own) as requester,
     ):
         assert requester.request(request)
-        alice.unlink()
+        file.unlink()
         if messages:
             with pytest.raises(Refused, match=r"^refused: your key is not on the list"):
                 requester.request(request)
         else:
             assert requester.request(request).startswith("error: your key is not on the list")
     assert len(asked) == 1
+
+
+def test_a_context_has_one_allow_list(alice, context):
+    keys, *_ = alice
     with (
-        zmq.Context() as context,
-        Server(str.upper, keys=AllowList(keys), context=context),
+        Server(str.upper, keys=keys, context=context),
         pytest.raises(ValueError, match=r"^this context has an allow-list"),
     ):
-        Server(str.upper, keys=AllowList(keys), context=context)
+        Server(str.upper, keys=keys, context=context)
 
 
 # Clients for threads
@@ -454,22 +393,29 @@ def test_a_revoked_key_is_refused_from_then_on(kind, tmp_path):
 def test_each_of_8_threads_gets_its_own_replies_at_any_switch_interval(each):
     """Replies that came to another request's callback were found so."""
     before = sys.getswitchinterval()
+    got: list[tuple[str, str]] = []
     with (
         Server(str.upper) as server,
-        BackgroundClient(server.endpoint, timeout=PATIENT, window=4) as client,
+        BackgroundClient(server.endpoint, timeout=PATIENT, window=4, capacity=8 * each) as client,
         ThreadPoolExecutor(8) as pool,
     ):
 
-        def futures(thread):
-            return [(f"a{thread}-{i}", client.submit(f"a{thread}-{i}")) for i in range(each)]
+        def ask(thread):
+            for number in range(each):
+                text = f"a{thread}-{number}"
+                assert client.request(text, lambda reply, text=text: got.append((text, reply)), print)
+                yield text, client.submit(text)
 
         sys.setswitchinterval(1e-6)
         try:
-            every = [pair for pairs in pool.map(futures, range(8)) for pair in pairs]
+            every = [pair for pairs in pool.map(lambda thread: [*ask(thread)], range(8)) for pair in pairs]
             assert all(future.result(LIMIT) == text.upper() for text, future in every)
         finally:
             sys.setswitchinterval(before)
-    assert len(every) == 8 * each
+        while client.under_way:
+            client.poll()
+    assert len(every) == len(got) == 8 * each
+    assert all(reply == text.upper() for text, reply in got)
 
 
 def test_a_request_is_taken_back_until_it_is_sent(work):
@@ -568,11 +514,7 @@ def test_a_signals_handler_may_close_it(server):
 # and for asyncio
 
 
-@pytest.mark.parametrize("policy", ["asyncio", "uvloop"])
-def test_500_at_once_each_get_their_own_reply(server, work, policy):
-    if policy == "uvloop":
-        pytest.importorskip("uvloop")
-
+def test_500_at_once_each_get_their_own_reply(server, work):
     async def main():
         with BackgroundClient(server.endpoint, timeout=PATIENT, window=8) as client:
             texts = [f"a{i}" for i in range(500)]
@@ -585,10 +527,7 @@ def test_500_at_once_each_get_their_own_reply(server, work, policy):
             work.go.set()
             assert await client.ask("b") == "B"
 
-    if policy == "uvloop":
-        importlib.import_module("uvloop").run(main())
-    else:
-        asyncio.run(main())
+    asyncio.run(main())
 
 
 def test_no_try_follows_once_its_task_is_cancelled():
@@ -602,12 +541,6 @@ def test_no_try_follows_once_its_task_is_cancelled():
                 await client.ask("y", within=2)
 
     asyncio.run(main())
-
-
-@pytest.mark.parametrize("make_one", [BackgroundClient, LazyPirate, ManyRequester, MessageRequester, TopicListener])
-def test_a_context_of_zmq_asyncio_is_refused_with_its_cure(make_one):
-    with zmq.asyncio.Context() as context, pytest.raises(TypeError, match=r"^context is one of zmq\.asyncio: take one"):
-        make_one(steady_endpoint(), context=context)
 
 
 # Messages
@@ -665,7 +598,7 @@ def test_an_array_of_numpy_is_taken_as_it_is_or_refused():
             Array.of(wrong)
 
 
-def test_an_array_that_the_server_uses_again_goes_out_as_it_was(context):
+def test_an_array_that_the_server_uses_again_goes_out_as_it_was(connect):
     np = pytest.importorskip("numpy")
     buffer = np.zeros(4_000_000, "uint8")
 
@@ -673,9 +606,8 @@ def test_an_array_that_the_server_uses_again_goes_out_as_it_was(context):
         buffer[:] += 1
         return Message("ok", request.id, {}, [Array.of(buffer)])
 
-    with Server(answer, messages=True) as server, context.socket(zmq.DEALER) as dealer:
-        dealer.linger = 0
-        dealer.connect(server.endpoint)
+    with Server(answer, messages=True) as server:
+        dealer = connect(server.endpoint)
         for number in range(8):
             dealer.send_multipart(Message("next", number).frames())
         for number in range(8):
@@ -755,13 +687,3 @@ def test_a_frame_that_listeners_do_not_take_is_refused():
             with contextlib.suppress(Timeout):
                 heard = listener.receive_frames()
     assert heard == [b"a/", b"x" * 70_000]
-
-
-def test_json_both_ways():
-    @json_answer
-    def total(state):
-        return {"sum": sum(state["numbers"])}
-
-    with Server(total) as server, LazyPirate(server.endpoint, timeout=PATIENT) as pirate:
-        assert pirate.request('{"numbers": [1, 2]}') == '{"sum": 3}'
-        assert pirate.request("{}") == "error: the request has no 'numbers'; it has nothing"

@@ -11,12 +11,13 @@ import zmq
 
 from kitlib.lessons import Lesson
 from netmq_example import arguments, records
-from netmq_example.fleet import hub, trainers
+from netmq_example.fleet import hub, members, trainers
 from netmq_example.fleet.hub import Hub
 from netmq_example.messages import Array, Message
 from netmq_example.records import ANSWERS, ASKS, Record
 from netmq_example.side_channel import carrier
 from netmq_example.side_channel.side_channel_manager import SideChannelManager
+from tests.lessons.conftest import bind
 from tests.lessons.test_contract import KEYS, secrets
 from tests.programs import python_runs
 
@@ -118,6 +119,8 @@ def test_the_hellos_of_all_names_have_a_limit(fleet, monkeypatch):
     assert codes == [None, None, "too-many-worlds", "too-many-worlds"]
     # Another one of a name that is here takes no more room.
     assert fleet.takes(b"5", hello("World 0", 3000)) is None
+    monkeypatch.setattr(members, "LARGEST_HELLO_BYTES", 4000)
+    assert fleet.takes(b"6", hello("World 6", 5000)) == "too-big"
 
 
 def begun(fleet, peer, areas=1):
@@ -136,7 +139,7 @@ def test_the_episodes_of_all_trainers_have_a_limit(fleet, monkeypatch):
         begun(fleet, peer)
     codes = [fleet.takes(peer, asks(1, records.RESET, 4000)) for peer in (b"one", b"two", b"three")]
     assert codes == [None, None, "too-much"]
-    # What a trainer that leaves had is free again.
+    # The room of a trainer that leaves is free again.
     fleet.takes(b"one", Message("close", 2))
     assert fleet.takes(b"three", asks(2, records.RESET, 4000)) is None
 
@@ -154,15 +157,14 @@ def test_an_areas_answer_has_its_part_of_a_message(fleet, monkeypatch):
 
 
 @pytest.fixture
-def one_simulator(context):
+def one_simulator(context, connect):
     """(carrier, reports, socket): lesson 13's server with no channels, and a simulator that reads nothing."""
     reports = []
-    with context.socket(zmq.ROUTER) as ours, context.socket(zmq.DEALER) as its:
-        ours.linger = its.linger = 0
+    with context.socket(zmq.ROUTER) as ours:
         ours.rcvtimeo = 20_000
-        # What the system's own buffers do not take waits in the carrier.
-        ours.sndhwm = its.rcvhwm = 1
-        its.connect(f"tcp://127.0.0.1:{ours.bind_to_random_port('tcp://127.0.0.1')}")
+        # All that the system's own buffers do not take waits in the carrier.
+        ours.sndhwm = 1
+        its = connect(bind(ours), rcvhwm=1)
         yield carrier.Carrier(ours, lambda: SideChannelManager([]), reports.append), reports, its
 
 

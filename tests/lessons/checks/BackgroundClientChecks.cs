@@ -26,9 +26,9 @@ namespace NetMQExample.Tests
         {
             var checks = new Action<string>[]
             {
-                AllocatesNothing, Answered, Ask, AskCancelled, Asleep, Await, Cancelled, Cleanup, Forgotten, Hud, InVain,
-                ListenerStops, LongestText, LookUp, Many, Nested, NeverPolled, NoSocket, OneAfterAnother, Pairs, Randomly,
-                Refusal, State, Stop, StopAnswered, Stuck, Throwing, Why, Within,
+                AllocatesNothing, Ask, AskCancelled, Asleep, Await, Cancelled, Cleanup, Forgotten, Hud, ListenerStops,
+                LongestText, LookUp, Many, Nested, NeverPolled, NoSocket, OneAfterAnother, Pairs, Randomly, Refusal, State,
+                StopAnswered, Stuck, Throwing, Why, Within,
             }.ToDictionary(check => check.Method.Name);
             try
             {
@@ -46,14 +46,14 @@ namespace NetMQExample.Tests
             }
         }
 
-        private static void Check(bool right, string what)
+        internal static void Check(bool right, string what)
         {
             if (!right) throw new InvalidOperationException(what);
         }
 
         private static void Equal<T>(T expected, T actual) => Check(Equals(expected, actual), $"expected {expected}, got {actual}");
 
-        private static T Throws<T>(Action act) where T : Exception
+        internal static T Throws<T>(Action act) where T : Exception
         {
             try { act(); }
             catch (T e) { return e; }
@@ -90,7 +90,7 @@ namespace NetMQExample.Tests
             Equal(ClientState.Disposed, client.State);
         }
 
-        // What was cancelled before it was sent is not sent: there is room for another. Later it ends the wait alone.
+        // A request that is cancelled before it is sent leaves room for another. Later it ends the wait alone.
         private static void Cancelled(string endpoint)
         {
             using var client = new BackgroundClient(endpoint, TimeSpan.FromSeconds(10), capacity: 1);
@@ -133,21 +133,7 @@ namespace NetMQExample.Tests
             Equal(4, ended.Count);
         }
 
-        // Stop at every moment, six times, without a pause: the next client must not find a context that ends.
-        private static void Stop(string endpoint)
-        {
-            for (var round = 0; round < 6; round++)
-            {
-                var ends = 0;
-                var client = new BackgroundClient(endpoint, TimeSpan.FromSeconds(10));
-                for (var i = 0; i < round; i++) client.Request("hello", _ => ends++, _ => ends++);
-                Thread.Sleep(15 * round);
-                StopInTime(client);
-                Equal(round, ends);
-            }
-        }
-
-        // What was answered, but not polled yet, is still a reply when the client is disposed.
+        // An answer that was not polled yet is still a reply when the client is disposed.
         private static void StopAnswered(string endpoint)
         {
             string got = null;
@@ -160,7 +146,7 @@ namespace NetMQExample.Tests
 
         private static void OneAfterAnother(string endpoint)
         {
-            // What never ends is given up. Those of one Stop share 200 ms; were each waited for so long, it would be 10 s.
+            // A thread that never ends is given up. Those of one Stop share 200 ms; were each waited for so long, it would be 10 s.
             var stuck = Enumerable.Range(0, 50).Select(_ => new Thread(() => Thread.Sleep(60000)) { IsBackground = true }).ToArray();
             foreach (var thread in stuck) thread.Start();
             var watch = Stopwatch.StartNew();
@@ -173,21 +159,6 @@ namespace NetMQExample.Tests
             Check(watch.ElapsedMilliseconds > 100, $"the next Stop waited for {watch.ElapsedMilliseconds} ms only");
         }
 
-        // At once, each by a client of its own: none has a reply, and the reason is the same.
-        private static void InVain(string endpoints)
-        {
-            var clients = endpoints.Split(',').Select(endpoint => new BackgroundClient(endpoint)).ToArray();
-            var ends = new string[clients.Length];
-            for (var i = 0; i < clients.Length; i++)
-            {
-                var number = i;
-                clients[i].Request("hello", _ => ends[number] = "a reply", why => ends[number] = why);
-            }
-            Until(() => ends.All(end => end != null), clients);
-            foreach (var end in ends) Console.WriteLine(end);
-            foreach (var client in clients) client.Dispose();
-        }
-
         // Nobody answers: all tries together take no longer than this, and a try that waits longer is cut.
         private static void Within(string endpoint)
         {
@@ -198,17 +169,11 @@ namespace NetMQExample.Tests
             Throws<ArgumentException>(() => pirate.Request("hello", within: TimeSpan.Zero));
         }
 
-        private static void Answered(string endpoint)
-        {
-            using var client = new BackgroundClient(endpoint);
-            for (var i = 0; i < 3; i++) Equal("world", Answer(client));
-        }
-
         private static void Why(string endpoint)
         {
             Equal("no reply", LogText.Why(new TimeoutException("no reply")));
             Equal("bad-json: the header", LogText.Why(new MessageException("bad-json", "the header")));
-            // What IL2CPP says when something was stripped away.
+            // IL2CPP says this when something was stripped away.
             var unforeseen = LogText.Why(new TypeInitializationException("Boom", new NotSupportedException("not in this build")));
             Check(unforeseen.Contains("NotSupportedException") && unforeseen.Contains("not in this build"), unforeseen);
         }
@@ -316,28 +281,15 @@ namespace NetMQExample.Tests
 
             // Where nobody listens.
             var unanswered = new BackgroundClient("tcp://127.0.0.1:1");
-            async Task<string> Interrupted()
-            {
-                try
-                {
-                    return await unanswered.RequestAsync("hello");
-                }
-                catch (ObjectDisposedException e)
-                {
-                    Equal(thread, Environment.CurrentManagedThreadId);
-                    return e.Message;
-                }
-            }
-            var interrupted = Interrupted();
+            var interrupted = unanswered.RequestAsync("hello");
             unanswered.Dispose();
             Check(interrupted.IsCompleted, "Dispose left an await waiting");
-            Equal("the client was disposed", interrupted.Result);
+            Equal("the client was disposed", Throws<ObjectDisposedException>(() => interrupted.GetAwaiter().GetResult()).Message);
             Throws<ObjectDisposedException>(() => unanswered.RequestAsync("hello").GetAwaiter().GetResult());
             using var hasty = new BackgroundClient("tcp://127.0.0.1:1", TimeSpan.FromMilliseconds(1), tries: 1);
             var late = hasty.RequestAsync("hello");
             Until(() => late.IsCompleted, hasty);
             Throws<TimeoutException>(() => late.GetAwaiter().GetResult());
-            Throws<ArgumentException>(() => hasty.RequestAsync(new string('x', 70_000)).GetAwaiter().GetResult());
             client.Dispose();
         }
 
@@ -377,13 +329,9 @@ namespace NetMQExample.Tests
                 ("{}", "nothing 7 0 1 -"),
                 ("error: no 'guest'", "! error: no 'guest'"),
                 (@"{""sya"":1}", "! the reply {\"sya\":1} does not fit Order: Could not find member 'sya' on object of type 'Order'. Path 'sya', line 1, position 7."),
-                (@"{""times"":""two""}", "! the reply {\"times\":\"two\"} does not fit Order: Could not convert string to integer: two. Path 'times', line 1, position 14."),
                 (@"{""way"":[{""w"":1}]}", "! the reply {\"way\":[{\"w\":1}]} does not fit Order: Could not find member 'w' on object of type 'Vector3'. Path 'way[0].w', line 1, position 13."),
                 (@"{""Speed"":NaN}", "! the reply {\"Speed\":NaN} does not fit Order: NaN is not JSON. Path 'Speed'."),
                 (@"{""day"":""Sunday""}", "nothing 7 0 0 -"),
-                (@"{""day"":3}", "nothing 7 0 3 -"),
-                (@"{""day"":""Someday""}", "! the reply {\"day\":\"Someday\"} does not fit Order: Error converting value \"Someday\" to type 'System.DayOfWeek'. Path 'day', line 1, position 16."),
-                (@"{""way"":[[1,2,3]]}", "! the reply {\"way\":[[1,2,3]]} does not fit Order: Cannot deserialize the current JSON array (e.g. [1,2,3]) into type 'UnityEngine.Vector3' because the type requires a JSON object (e.g. {\"name\":\"value\"}) to deserialize correctly. Path 'way[0]', line 1, position 9."),
                 ("null", "! the reply null does not fit Order: It is no object."),
                 ("", "! the reply  does not fit Order: It is no object."),
                 ("wo\nrld", "! the reply wo?rld does not fit Order: Unexpected character encountered while parsing value: w. Path '', line 0, position 0."),
@@ -409,8 +357,6 @@ namespace NetMQExample.Tests
                 var task = client.AskAsync<object, Order>(wrong);
                 Throws<Newtonsoft.Json.JsonException>(() => task.GetAwaiter().GetResult());
             }
-            var tooLong = new Wish { reply = new string('x', 70_000) };
-            Throws<ArgumentException>(() => client.Ask<Wish, Order>(tooLong, null, null));
         }
 
         // The server does not answer.
@@ -419,12 +365,9 @@ namespace NetMQExample.Tests
             using var destroyed = new CancellationTokenSource();
             var client = new BackgroundClient(endpoint);
             var task = client.AskAsync<Wish, Order>(new Wish(), destroyed.Token);
-            var why = "";
-            client.Ask<Wish, Order>(new Wish(), order => why += "a reply", error => why += error);
             destroyed.Cancel();
             Check(task.IsCanceled, "it waits");
             client.Dispose();
-            Equal("the client was disposed", why);
             Check(!client.Ask<Wish, Order>(new Wish(), null, null), "taken after Dispose");
         }
 
@@ -501,7 +444,7 @@ namespace NetMQExample.Tests
             }
         }
 
-        // What a head-up display shows; the test's server answers the second request once it was seen that it is sent again.
+        // A head-up display shows this; the test's server answers the second request once it was seen that it is sent again.
         private static void State(string endpoint)
         {
             var client = new BackgroundClient(endpoint, TimeSpan.FromSeconds(4));
@@ -525,7 +468,7 @@ namespace NetMQExample.Tests
             client.Dispose();
         }
 
-        // Whoever reads State and LastError together gets those of one moment. Both speak of the same try here.
+        // State and LastError, read together, are of one moment: here both speak of the same try.
         private static void Pairs(string endpoint)
         {
             using var client = new BackgroundClient(endpoint, TimeSpan.FromMilliseconds(1), tries: 2);
@@ -601,7 +544,7 @@ namespace NetMQExample.Tests
             Check(cancelled.ElapsedMilliseconds < 10_000, "too late");
         }
 
-        // What a player sees in Unity: the display, first on a TextMesh and then in the corner, until the client is switched off.
+        // A player in Unity sees the display, first on a TextMesh and then in the corner, until the client is switched off.
         private static void Hud(string endpoint)
         {
             foreach (var headset in new[] { true, false })
@@ -704,7 +647,7 @@ namespace NetMQExample.Tests
             Until(() => replies == 65, client);
         }
 
-        // What a frame does, with callbacks that are made once, leaves the garbage collector nothing to do.
+        // A frame leaves the garbage collector nothing to do, if its callbacks are made once.
         private static void AllocatesNothing(string endpoint)
         {
             using var client = new BackgroundClient(endpoint);

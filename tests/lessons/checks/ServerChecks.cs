@@ -10,6 +10,7 @@ using System.Text;
 using System.Threading;
 using NetMQ;
 using NetMQ.Sockets;
+using static NetMQExample.Tests.BackgroundClientChecks;
 
 namespace NetMQExample.Tests
 {
@@ -32,18 +33,6 @@ namespace NetMQExample.Tests
             Console.WriteLine($"listening on {server.Endpoint}");
             server.Run(default);
             return 0;
-        }
-
-        private static void Check(bool right, string what)
-        {
-            if (!right) throw new InvalidOperationException(what);
-        }
-
-        private static T Throws<T>(Action act) where T : Exception
-        {
-            try { act(); }
-            catch (T e) { return e; }
-            throw new InvalidOperationException($"there was no {typeof(T).Name}");
         }
 
         private static int Alone()
@@ -97,7 +86,7 @@ namespace NetMQExample.Tests
             }
         }
 
-        // What waits is answered in several frames of the game, and a Poll with nothing to do makes no garbage.
+        // Requests that wait are answered in several frames of the game, and a Poll with nothing to do makes no garbage.
         private static void Frames()
         {
             var on = Environment.CurrentManagedThreadId;

@@ -1,0 +1,233 @@
+"""Each Python client of lessons 02 to 08, and each public C# class, says in one line which value it cannot use."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable
+
+import pytest
+import zmq
+import zmq.asyncio
+
+from netmq_example.background_client import BackgroundClient
+from netmq_example.camera.client import DriverClient
+from netmq_example.errors import Closed, MessageError
+from netmq_example.jobs.client import JobClient
+from netmq_example.lazy_pirate import LazyPirate
+from netmq_example.many_requester import ManyRequester
+from netmq_example.message_requester import MessageRequester
+from netmq_example.messages import Message
+from netmq_example.pose_stream import PoseSubscriber, snapshots_beside
+from netmq_example.publisher import Publisher
+from netmq_example.security.requester import SecureRequester
+from netmq_example.server import Server
+from netmq_example.side_channel.carrier import Carrier, ClientCarrier
+from netmq_example.side_channel.side_channel_manager import SideChannelManager
+from netmq_example.topic_listener import TopicListener
+from netmq_example.worker_threads import WorkerThreads
+from tests.lessons.uses import USES
+from tests.programs import LIMIT
+
+NAN, INFINITE = float("nan"), float("inf")
+WHOLE: list[object] = [None, 0, -1, NAN, 1.5, ""]
+WRONG: dict[str, list[object]] = {
+    "context": [0, "x"],
+    "stream": [0, "x"],
+    "socket": [0, "x"],
+    "endpoint": [None, 0, "", "127.0.0.1:5552", "tcp://127.0.0.1:99999"],
+    "snapshots": [-1, "127.0.0.1:5552", "tcp://127.0.0.1:0"],
+    "timeout": [None, 0, -1, NAN, INFINITE, "1"],
+    "tries": WHOLE,
+    "window": WHOLE,
+    "capacity": WHOLE,
+    "number": [*WHOLE, 100_000],
+    "topic": [None, 0, b"pose/"],
+    "report": [None, 0],
+    "answer": [None, 0],
+}
+WHERE = "tcp://127.0.0.1:5552"
+
+
+def needs(context, sub):
+    """Each class, the arguments that it needs, and the names of others."""
+    return [
+        (LazyPirate, {"endpoint": WHERE}, ["context", "timeout", "tries"]),
+        (ManyRequester, {"endpoint": WHERE}, ["context", "window", "timeout", "tries"]),
+        (BackgroundClient, {"endpoint": WHERE}, ["context", "timeout", "tries", "window", "capacity"]),
+        (DriverClient, {"endpoint": WHERE}, ["context", "timeout", "tries"]),
+        (MessageRequester, {"endpoint": WHERE}, ["context", "timeout", "tries"]),
+        (Publisher, {"endpoint": "tcp://127.0.0.1:0"}, ["context"]),
+        (Server, {"answer": str, "endpoint": "tcp://127.0.0.1:0"}, ["context"]),
+        (TopicListener, {"endpoint": WHERE, "topic": "pose/"}, ["socket"]),
+        (PoseSubscriber, {"endpoint": WHERE}, ["stream", "snapshots", "timeout"]),
+        (WorkerThreads, {"number": 1, "answer": str}, []),
+    ]
+
+
+def test_what_a_class_cannot_use_is_named(context):
+    with context.socket(zmq.SUB) as sub:
+        for kind, right, more in needs(context, sub):
+            for name in (*right, *more):
+                for value in WRONG[name]:
+                    words = {**right, name: value}
+                    with pytest.raises((ValueError, TypeError), match=rf"^({name} |bad endpoint ).+$"):
+                        kind(**words)
+
+
+def test_what_only_one_of_them_refuses(context):
+    with context.socket(zmq.REQ) as req, context.socket(zmq.SUB) as sub:
+        for says, make in {
+            "socket takes a SUB socket": lambda: TopicListener(WHERE, "pose/", socket=req),
+            "stream takes a SUB socket, not ": lambda: PoseSubscriber(WHERE, stream=req),
+            "bad endpoint 'tcp://127.0.0.1:65600'": lambda: PoseSubscriber("tcp://127.0.0.1:65500", stream=sub),
+            "bad endpoint 'tcp://127.0.0.1'": lambda: snapshots_beside("tcp://127.0.0.1"),
+        }.items():
+            with pytest.raises(ValueError, match=f"^{says}"):
+                make()
+
+
+# Each is asked so, by what goes.
+ASKS: dict[type, Callable[..., object]] = {
+    LazyPirate: lambda it, text="hello": it.request(text),
+    BackgroundClient: lambda it, text="hello": it.submit(text).result(LIMIT),
+    MessageRequester: lambda it: it.request(Message("look")),
+    ManyRequester: lambda it, text="hello": next(it.request_many([text])),
+    Publisher: lambda it, text="hello": it.send("a/", text),
+    Server: lambda it: it.run(),
+    WorkerThreads: lambda it, text=b"hello": it.begin("key", text),
+}
+
+
+def made(kind, context):
+    return next(kind(**right) for each, right, _ in needs(context, None) if each is kind)
+
+
+def test_a_request_that_cannot_be_sent_is_refused_at_once(context):
+    for kind in (LazyPirate, BackgroundClient, ManyRequester, WorkerThreads):
+        with contextlib.closing(made(kind, context)) as it:
+            for wrong in (None, 0, "text" if kind is WorkerThreads else b"bytes"):
+                with pytest.raises(TypeError, match=r"^(text|texts|request) takes a "):
+                    ASKS[kind](it, wrong)
+    for kind in (LazyPirate, BackgroundClient, Publisher):
+        with (
+            made(kind, context) as it,
+            pytest.raises(MessageError, match=r"a (text|frame) of \d+ bytes, more than 65536"),
+        ):
+            ASKS[kind](it, "x" * 65_537)
+    with ManyRequester(WHERE) as requester:
+        # A text alone would be a request for each of its letters.
+        for texts in (None, 5, "echo one"):
+            with pytest.raises(TypeError, match=r"^texts takes a "):
+                next(requester.request_many(texts))
+        # One that is sent, and left alone. Nothing is sent of the others, and nothing waited for.
+        left = requester.request_many(["echo one", "ü" * 32_769])
+        assert next(left).number == 2
+        del left
+        outcomes = list(requester.request_many(["ü" * 32_769] * 100))
+        assert [number for number, _, _ in outcomes] == list(range(1, 101))
+        assert {str(error) for _, _, error in outcomes} == {"not sent: 65538 bytes, and the limit is 65536"}
+    with BackgroundClient(WHERE, capacity=1) as client:
+        for words in [("hello", None, print), ("hello", print, b"error"), (0, print, print)]:
+            with pytest.raises(TypeError, match=r"^(text|reply|error) takes a "):
+                client.request(*words)
+        assert client.under_way == 0, "a wrong request takes no place"
+
+
+def test_what_is_closed_says_so(context):
+    for kind, ask in ASKS.items():
+        it = made(kind, context)
+        it.close()
+        it.close()
+        with pytest.raises((Closed, ValueError), match=r"^th(is|e) [\w ]+ (is|was) closed"):
+            ask(it)
+    sub = context.socket(zmq.SUB)
+    listener = TopicListener(WHERE, socket=sub)
+    sub.close()
+    ended = zmq.Context()
+    pirate = LazyPirate(WHERE, tries=1, timeout=0.1, context=ended)
+    with pytest.raises(TimeoutError, match=r"^1 try to ask "):
+        pirate.request("add 1")
+    ended.term()
+    for use in (
+        lambda: listener.receive(1),
+        lambda: listener.newest(1),
+        lambda: TopicListener(WHERE, socket=sub),
+        lambda: pirate.request("add 1"),
+        lambda: LazyPirate(WHERE, context=ended),
+        lambda: ManyRequester(WHERE, context=ended),
+    ):
+        with pytest.raises(ValueError, match=r"^(this listener's socket|socket|context) is closed: make a new one$"):
+            use()
+
+
+def test_what_is_at_work_is_not_asked_beside(context):
+    """Two at once would read each other's replies."""
+    with ManyRequester(WHERE, context=context) as requester:
+        left = requester.request_many(["ü" * 32_769, "echo one"])
+        assert next(left).number == 1
+        with pytest.raises(RuntimeError, match=r"^this ManyRequester has not ended what it does: wait "):
+            next(requester.request_many(["echo two"]))
+        del left
+        assert [number for number, _, _ in requester.request_many(["ü" * 32_769])] == [1]
+    for name in ("LazyPirate", "ManyRequester", "MessageRequester", "SecureRequester", "JobClient"):
+        make, use = USES[name]
+        with make(WHERE) as it, it.at_work, pytest.raises(RuntimeError) as refused:
+            use(it)
+        assert str(refused.value) == f"this {name} has not ended what it does: wait for that, or make a second {name}"
+
+
+def test_an_endpoint_that_libzmq_cannot_use_hangs_nothing(context):
+    with pytest.raises(zmq.ZMQError):
+        ManyRequester("nonsense://x", context=context)
+    with BackgroundClient("nonsense://x") as client:
+        for _ in range(2):
+            with pytest.raises(zmq.ZMQError):
+                client.submit("hello").result(LIMIT)
+
+
+def test_what_is_of_zmq_asyncio_is_refused_with_the_cure():
+    """Its classes derive from those of zmq, and a call of theirs would return a future."""
+    with zmq.asyncio.Context() as context, context.socket(zmq.SUB) as sub, context.socket(zmq.ROUTER) as router:
+        for make in (
+            *(
+                lambda kind=kind: kind(WHERE, context=context)
+                for kind in (
+                    BackgroundClient,
+                    DriverClient,
+                    JobClient,
+                    LazyPirate,
+                    ManyRequester,
+                    MessageRequester,
+                    SecureRequester,
+                    TopicListener,
+                )
+            ),
+            lambda: ClientCarrier(context, WHERE),
+            lambda: TopicListener(WHERE, socket=sub),
+            lambda: PoseSubscriber(WHERE, stream=sub),
+            lambda: Carrier(router, SideChannelManager, print),
+        ):
+            with pytest.raises(TypeError, match=r"^\w+ is one of zmq.asyncio: take one of zmq, .* asyncio.to_thread$"):
+                make()
+
+
+def test_what_cannot_be_waited_for_is_named(context):
+    with context.socket(zmq.SUB) as one, context.socket(zmq.SUB) as other:
+        listener = TopicListener(WHERE, "pose/", socket=one)
+        receives = (
+            (listener.receive, [-1]),
+            (listener.newest, [-1]),
+            (PoseSubscriber(WHERE, stream=other).receive, [0, -1]),
+        )
+        for receive, wrong in receives:
+            for timeout in (*wrong, NAN, INFINITE, "", "1"):
+                with pytest.raises(ValueError, match=r"^timeout takes seconds, "):
+                    receive(timeout)
+
+
+def test_csharp_classes_name_what_they_cannot_use(checks, start):
+    """checks/RuleChecks.cs finds their constructors."""
+    program = start("dotnet", checks, "rules")
+    assert program.wait() == 0, program.output
+    assert [line for line in program.lines if not line.endswith(": refused")] == []
+    assert len(program.lines) > 200
