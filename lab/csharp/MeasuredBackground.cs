@@ -1,4 +1,4 @@
-// What lesson 04's client costs the main thread: run the callback of what came back, and ask once, in each frame.
+// Lesson 04's client costs the main thread this in each frame: a callback for each reply, and one request.
 using System;
 using UnityEngine;
 using UnityPlayer;

@@ -99,7 +99,7 @@ namespace NetMQExample.Lab
             return FormattableString.Invariant($"{{\"messages\":{messages},\"seconds\":{took:F6},\"waits\":[{listed}]}}");
         }
 
-        // What the player logs, with the line "measured: …", comes before the answer.
+        // The player's own log, with the line "measured: …", comes before the answer.
         private static string Frames(string endpoint, string count)
         {
             var player = new Player(typeof(MeasuredBackground).Assembly);

@@ -90,7 +90,7 @@ namespace NetMQExample.Tests
             Equal(ClientState.Disposed, client.State);
         }
 
-        // What was cancelled before it was sent is not sent: there is room for another. Later it ends the wait alone.
+        // A request that is cancelled early is never sent: there is room for another. Later it ends the wait alone.
         private static void Cancelled(string endpoint)
         {
             using var client = new BackgroundClient(endpoint, TimeSpan.FromSeconds(10), capacity: 1);
@@ -147,7 +147,7 @@ namespace NetMQExample.Tests
             }
         }
 
-        // What was answered, but not polled yet, is still a reply when the client is disposed.
+        // A request that was answered, but not polled yet, still has its reply when the client is disposed.
         private static void StopAnswered(string endpoint)
         {
             string got = null;
@@ -160,7 +160,7 @@ namespace NetMQExample.Tests
 
         private static void OneAfterAnother(string endpoint)
         {
-            // What never ends is given up. Those of one Stop share 200 ms; were each waited for so long, it would be 10 s.
+            // A thread that never ends is given up. One Stop has 200 ms for all; if each had them, it would take 10 s.
             var stuck = Enumerable.Range(0, 50).Select(_ => new Thread(() => Thread.Sleep(60000)) { IsBackground = true }).ToArray();
             foreach (var thread in stuck) thread.Start();
             var watch = Stopwatch.StartNew();
@@ -208,7 +208,7 @@ namespace NetMQExample.Tests
         {
             Equal("no reply", LogText.Why(new TimeoutException("no reply")));
             Equal("bad-json: the header", LogText.Why(new MessageException("bad-json", "the header")));
-            // What IL2CPP says when something was stripped away.
+            // IL2CPP says this when something was stripped away.
             var unforeseen = LogText.Why(new TypeInitializationException("Boom", new NotSupportedException("not in this build")));
             Check(unforeseen.Contains("NotSupportedException") && unforeseen.Contains("not in this build"), unforeseen);
         }
@@ -501,7 +501,7 @@ namespace NetMQExample.Tests
             }
         }
 
-        // What a head-up display shows; the test's server answers the second request once it was seen that it is sent again.
+        // A head-up display shows these states; the second request is answered once it was seen to be sent again.
         private static void State(string endpoint)
         {
             var client = new BackgroundClient(endpoint, TimeSpan.FromSeconds(4));
@@ -525,7 +525,7 @@ namespace NetMQExample.Tests
             client.Dispose();
         }
 
-        // Whoever reads State and LastError together gets those of one moment. Both speak of the same try here.
+        // A caller that reads State and LastError together gets those of one moment. Both speak of the same try here.
         private static void Pairs(string endpoint)
         {
             using var client = new BackgroundClient(endpoint, TimeSpan.FromMilliseconds(1), tries: 2);
@@ -601,7 +601,7 @@ namespace NetMQExample.Tests
             Check(cancelled.ElapsedMilliseconds < 10_000, "too late");
         }
 
-        // What a player sees in Unity: the display, first on a TextMesh and then in the corner, until the client is switched off.
+        // The display is in Unity first on a TextMesh and then in the corner, until the client is switched off.
         private static void Hud(string endpoint)
         {
             foreach (var headset in new[] { true, false })
@@ -704,7 +704,7 @@ namespace NetMQExample.Tests
             Until(() => replies == 65, client);
         }
 
-        // What a frame does, with callbacks that are made once, leaves the garbage collector nothing to do.
+        // A frame with callbacks that are made once leaves the garbage collector nothing to do.
         private static void AllocatesNothing(string endpoint)
         {
             using var client = new BackgroundClient(endpoint);

@@ -26,7 +26,7 @@ namespace NetMQExample.Tests
                 var both = TextWriter.Synchronized(said);
                 Console.SetOut(both);
                 Console.SetError(both);
-                // What --with-keys of a run before has set.
+                // A run before, with --with-keys, may have set it.
                 NetMQConnection.Prepare = null;
                 var before = NetMQLifetime.Users;
                 var words = JsonConvert.DeserializeObject<string[]>(line);

@@ -1,4 +1,4 @@
-// What a Play's events tell the rest of the game, for runs with --heard: how often each was raised, and how often of
+// Counts a Play's events, for runs with --heard: how often each was raised, and how often of
 // these in the frame of the line that was logged last. And how many messages the editor's window could have shown.
 using System;
 using System.Collections;

@@ -1,4 +1,4 @@
-// What Locator.cs makes of each text of test_11_locators.py. A line of the input is the text, the name and the scope, with
+// Gives each text of test_11_locators.py to Locator.cs. A line of the input is the text, the name and the scope, with
 // a blank between them; each is its UTF-16 code units in hexadecimal digits after a "=", and no scope is "-". The answer is
 // "ok" and the canonical text, or "error" and what is wrong, in the same digits.
 //

@@ -1,4 +1,4 @@
-// What test_05_messages.py and test_08_pictures.py ask of the C# side:
+// The C# side of test_05_messages.py and test_08_pictures.py:
 //
 //     read                  each line of the input is a message, its frames in hexadecimal digits with a space between
 //                           them, an empty one as -; its answer is "ok" and the message as it is written again, or

@@ -1,4 +1,4 @@
-// What test_11_trees.py and test_11_observations.py ask of the C# side:
+// The C# side of test_11_trees.py and test_11_observations.py:
 //
 //     trees         each line of the input is a value (MessageTree.cs) in hexadecimal digits; it is read, and what is printed
 //                   is the same value, written again, or "error" and the code

@@ -1,4 +1,4 @@
-// What the C# of some lessons makes of bytes, texts and calls that no option of a terminal client shows, in one process:
+// Gives the C# of some lessons bytes, texts and calls that no option of a terminal client can, in one process:
 //
 //     dotnet checks.dll locators …          mono checks.dll sidechannels …
 //

@@ -1,4 +1,4 @@
-// What test_09_spaces.py asks of the C# side:
+// The C# side of test_09_spaces.py:
 //
 //     rows                      each line of the input is a space's name, a number of areas and a request, in hexadecimal
 //                               digits; it is answered with the answer, or "error" and the code

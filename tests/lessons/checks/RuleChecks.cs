@@ -1,4 +1,4 @@
-// What each public class says of values that it cannot use: one line that names the value. And a client after its end.
+// Each public class refuses values that it cannot use in one line that names the value. And a client after its end.
 //
 // The constructors are found, and what they get is known by their parameters' names and types, so that a new one is
 // asked as well.
@@ -126,7 +126,7 @@ namespace NetMQExample.Tests
         {
             var wrong = Wrong.TryGetValue(parameter.Name, out var values) && Fits(values, parameter)
                 ? values : new object[0];
-            // Who listens may take a free port.
+            // A server may take a free port.
             if (parameter.Member.DeclaringType == typeof(Server)) wrong = wrong.Where(each => !$"{each}".EndsWith(":0")).ToArray();
             var reference = !parameter.ParameterType.IsValueType && !NullIsNone(parameter);
             return reference ? wrong.Append(null).Distinct() : wrong;

@@ -97,7 +97,7 @@ namespace NetMQExample.Tests
             }
         }
 
-        // What waits is answered in several frames of the game, and a Poll with nothing to do makes no garbage.
+        // Waiting requests are answered in several frames of the game, and a Poll with nothing to do makes no garbage.
         private static void Frames()
         {
             var on = Environment.CurrentManagedThreadId;

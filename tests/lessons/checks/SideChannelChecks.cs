@@ -1,4 +1,4 @@
-// What test_13_side_channels_bytes.py asks of the C# side. Each line of the input is answered with one line:
+// The C# side of test_13_side_channels_bytes.py. Each line of the input is answered with one line:
 //
 //     read PAYLOAD b i f s l r    what is read of a message, value by value: numbers as bits, texts as UTF-8, in digits
 //     write b:1 i:-5 s:68 u:c3a9  the message with these values
@@ -179,7 +179,7 @@ namespace NetMQExample.Tests
         private static float Single(string bits) => BitConverter.ToSingle(BitConverter.GetBytes(Convert.ToInt32(bits, 16)), 0);
     }
 
-    // What it sees is the gravity that its reset knew of; what it records is each action.
+    // It observes the gravity that its reset knew of, and records each action.
     internal sealed class Moon : ISimulation
     {
         private double gravity;

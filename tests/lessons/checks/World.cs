@@ -68,7 +68,7 @@ namespace NetMQExample.Tests
         {
             var words = ((string)action).Split(Blank, StringSplitOptions.RemoveEmptyEntries);
             var rest = words.Skip(1).ToArray();
-            // What was seen for one step alone.
+            // Others were seen for one step alone.
             World.Others.Clear();
             switch (words.FirstOrDefault())
             {

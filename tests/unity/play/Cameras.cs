@@ -1,4 +1,4 @@
-// What a camera sees, and what is left of it:
+// Prints a camera's picture, and what is left of it:
 //
 //     … play.dll cameras                       on each of four graphics cards
 //

@@ -107,7 +107,7 @@ namespace NetMQExample.PlayTest
             return hello;
         }
 
-        // What a class is made of comes back; what Unity's serializer passes over does not.
+        // A class comes back with its serialized fields; others are passed over, as by Unity's serializer.
         private static void WriteJson()
         {
             var written = JsonUtility.ToJson(new Order { hp = 3, path = { Vector3.up }, text = "a \"word\",\n" });

@@ -1,4 +1,4 @@
-// What lesson 11's rays meet, a line for each view:
+// Prints what lesson 11's rays meet, a line for each view:
 //
 //     … play.dll rays          a wall ahead at 3 m, a coin to the right at 2 m, and a car that looks and turns
 using System;

@@ -38,7 +38,7 @@ namespace NetMQExample
             this.pixels = Require.Given("pixels", pixels);
         }
 
-        /// <summary>Whether each picture is turned over. What <see cref="IsTurned"/> says makes the lowest row the
+        /// <summary>Whether each picture is turned over. <see cref="IsTurned"/> makes the lowest row the
         /// first one; the opposite, the highest.</summary>
         public bool Turned { get; set; }
 

@@ -174,7 +174,7 @@ namespace NetMQExample
             throw new TimeoutException(Nothing);
         }
 
-        // What came in words; null: a reset or a step, which then is in `step`.
+        // A request in words; null: a reset or a step, which then is in `step`.
         private Message Receive(TimeSpan limit, CancellationToken stop)
         {
             foreach (var slice in NetMQConnection.Slices(limit, stop))

@@ -1,6 +1,6 @@
 // Lesson 09, the second world: lesson 08's car on its road, to be driven step by step. In Python: road_car.py.
 //
-// What it sees is where it is relative to the road, or the drawn picture. Both sides give the same numbers to the last
+// It observes where it is relative to the road, or the drawn picture. Both sides give the same numbers to the last
 // bit, as Car.cs and Road.cs do. Your own simulation takes its place.
 using System;
 using System.Collections.Generic;

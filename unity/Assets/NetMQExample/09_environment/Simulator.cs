@@ -112,7 +112,7 @@ namespace NetMQExample
             };
         }
 
-        /// <summary>Whom an info is for, empty for the environment, and what it is.</summary>
+        /// <summary>An info with its receiver, empty for the environment.</summary>
         protected static (string Whom, object Info) InfoOf(Message request) => request.Arrays.Count == 1
             && MessageTree.Read(request.Arrays[0].Data) is List<object> pair
             && pair.Count == 2 && pair[0] is string agent ? (agent, pair[1])

@@ -27,7 +27,7 @@ namespace NetMQExample
         protected abstract void ResetByHand(Chance chance);
 
         /// <summary>One step by hand.</summary>
-        /// <returns>What it was worth, and whether the episode is over.</returns>
+        /// <returns>The step's reward, and whether the episode is over.</returns>
         protected abstract (double Reward, bool Over) StepByHand();
 
         /// <inheritdoc/>

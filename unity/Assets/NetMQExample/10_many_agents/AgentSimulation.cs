@@ -7,7 +7,7 @@ namespace NetMQExample
     /// <summary>Your own game has these. In Unity derive from PythonAgents, which is one.</summary>
     public interface IAgentSimulation
     {
-        /// <summary>What Python calls it.</summary>
+        /// <summary>Its name in Python.</summary>
         string Name { get; }
 
         /// <summary>How many seconds one step takes.</summary>
@@ -16,12 +16,12 @@ namespace NetMQExample
         /// <summary>All agents, with what each of them sees and does.</summary>
         IReadOnlyList<(string Name, GymSpace Observation, GymSpace Action)> Agents { get; }
 
-        /// <summary>What Python is to know at any time: <c>Infos.Send(agent, info)</c>.</summary>
+        /// <summary>Infos for Python at any time: <c>Infos.Send(agent, info)</c>.</summary>
         InfoQueue Infos { get; }
 
         /// <summary>Begins an episode, in which all agents live.</summary>
         /// <param name="chance">Where all that is random comes from.</param>
-        /// <param name="options">What Python gave to reset, by name.</param>
+        /// <param name="options">The options that Python gave to reset, by name.</param>
         void ResetWorld(Chance chance, IReadOnlyDictionary<string, object> options);
 
         /// <summary>Does what the agents want, for <see cref="Dt"/> seconds.</summary>

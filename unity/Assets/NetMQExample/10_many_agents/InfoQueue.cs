@@ -13,7 +13,7 @@ namespace NetMQExample
         private long dropped;
 
         /// <summary>Python gets it with the next answer.</summary>
-        /// <param name="agent">Whose it is; empty: the environment's.</param>
+        /// <param name="agent">The agent; empty: the environment.</param>
         /// <param name="info">Texts, numbers, true, false, arrays, lists and dictionaries by name.</param>
         /// <exception cref="MessageException">There is something else in it.</exception>
         public void Send(string agent, IReadOnlyDictionary<string, object> info)

@@ -49,7 +49,7 @@ namespace NetMQExample
         public virtual void OnInfo(string agent, IReadOnlyDictionary<string, object> info) { }
 
         /// <summary>Says something to Python, which gets it with the next answer.</summary>
-        /// <param name="agent">Whose it is; empty: the environment's.</param>
+        /// <param name="agent">The agent; empty: the environment.</param>
         /// <param name="info">Texts, numbers, true, false, arrays, lists and dictionaries by name.</param>
         protected void SendInfo(string agent, IReadOnlyDictionary<string, object> info) => Infos.Send(agent, info);
 

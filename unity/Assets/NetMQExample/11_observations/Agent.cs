@@ -29,7 +29,7 @@ namespace NetMQExample
         /// <summary>All that take part now. For the main thread.</summary>
         public static List<IAgent> All => AgentRoster.All;
 
-        /// <summary>What Python calls it. A script that makes agents names each one as soon as it is made.</summary>
+        /// <summary>Its name in Python. A script that makes agents names each one as soon as it is made.</summary>
         public string Name
         {
             get => agentName;

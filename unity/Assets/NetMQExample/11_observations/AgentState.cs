@@ -73,7 +73,7 @@ namespace NetMQExample
 
         /// <summary>Reads the attributes of an object's class.</summary>
         /// <param name="name">The agent's; two agents of a scene have two.</param>
-        /// <param name="observed">Whose members are seen.</param>
+        /// <param name="observed">The object with the observed members.</param>
         /// <param name="period">How many ticks a step of this agent takes.</param>
         /// <exception cref="ArgumentException">A locator is wrong; the message names member and column.</exception>
         public AgentState(string name, object observed, int period = 1)
@@ -90,7 +90,7 @@ namespace NetMQExample
                     $"{string.Join(" and ", twice.Select(source => source.Name))} go to one place: {twice.Key}");
         }
 
-        /// <summary>What Python calls it.</summary>
+        /// <summary>Its name in Python.</summary>
         public string Name { get; }
 
         /// <summary>How many ticks a step of this agent takes, at least 1.</summary>
@@ -109,7 +109,7 @@ namespace NetMQExample
         /// <summary>The random numbers of this episode, which Python's seed decides.</summary>
         public Chance Chance { get; private set; } = new Chance(0);
 
-        /// <summary>What Python gave to reset as options.</summary>
+        /// <summary>The options that Python gave to reset.</summary>
         public IReadOnlyDictionary<string, object> Options { get; private set; } = new Dictionary<string, object>();
 
         /// <summary>A source whose locator is read here, once.</summary>
@@ -172,7 +172,7 @@ namespace NetMQExample
             Late ??= before.Late;
         }
 
-        // What Python is told is told once.
+        // Python gets each info once.
         internal (double Reward, bool Terminated, bool Truncated) Take(Dictionary<string, object> info)
         {
             if (infos.Count > 0) info["agent"] = new List<object>(infos);

@@ -37,7 +37,7 @@ namespace NetMQExample
         /// <summary>How many bytes a picture has.</summary>
         public int Size { get; }
 
-        /// <summary>What it sees now.</summary>
+        /// <summary>The camera's picture of this moment.</summary>
         /// <param name="into">Where the picture is written, <see cref="Size"/> bytes; null: a new array, which no later
         /// look overwrites.</param>
         /// <exception cref="MessageException">The graphics card gave no picture.</exception>

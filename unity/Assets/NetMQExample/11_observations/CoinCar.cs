@@ -22,7 +22,7 @@ namespace NetMQExample
         private int steps;
 
         /// <summary>An agent of this name.</summary>
-        /// <param name="name">What Python calls it.</param>
+        /// <param name="name">Its name in Python.</param>
         public CoinCar(string name) => State = new AgentState(name, this);
 
         /// <inheritdoc/>
