@@ -49,7 +49,7 @@ namespace NetMQExample.PlayTest
         private static void Show(string what, Transform car, float radius, int layers)
         {
             var seen = new float[12];
-            new RayView(car, 1, 90, 4, radius, layers, "wall", "coin").Look(seen);
+            new RayView(car, 1, 90, 4, radius, layers, "wall", "coin").Observe(seen);
             Console.WriteLine($"{what}: {string.Join(" ", seen.Select(one => one.ToString("0.###", CultureInfo.InvariantCulture)))}");
         }
     }

@@ -25,7 +25,7 @@ namespace NetMQExample
         /// <param name="chance">Where all that is random comes from.</param>
         /// <param name="options">The options that Python gave to reset, by name.</param>
         /// <param name="state">Where to begin, <see cref="StateSize"/> numbers; empty: by chance.</param>
-        void ResetWorld(Chance chance, IReadOnlyDictionary<string, object> options, double[] state);
+        void ResetWorld(RandomGenerator random, IReadOnlyDictionary<string, object> options, double[] state);
 
         /// <summary>Does it, for <see cref="Dt"/> seconds.</summary>
         /// <param name="action">In <see cref="Action"/>: <c>action[0]</c> is its first number. The next action
@@ -37,7 +37,7 @@ namespace NetMQExample
 
         /// <summary>How good that was, and whether the episode is over.</summary>
         /// <param name="info">Takes whatever else Python is to know, by name.</param>
-        (double Reward, bool Terminated, bool Truncated) Judge(IDictionary<string, object> info);
+        (double Reward, bool Terminated, bool Truncated) RewardAndEnd(IDictionary<string, object> info);
 
         /// <summary>A picture, uint8 [height, width, 3], the highest row first.</summary>
         MessageArray Render();

@@ -34,12 +34,12 @@ namespace NetMQExample
             if (dropped > 0)
                 infos.Add(new List<object> { "", new Dictionary<string, object> { ["dropped"] = dropped } });
             if (infos.Count == 0) return null;
-            var told = infos;
+            var taken = infos;
             // First: what cannot be written any more is not tried again.
             infos = new List<object>();
             size = 0;
             dropped = 0;
-            return MessageTree.Write(told);
+            return MessageTree.Write(taken);
         }
     }
 }

@@ -57,11 +57,11 @@ namespace NetMQExample
         }
 
         /// <inheritdoc/>
-        public void ResetWorld(Chance chance, IReadOnlyDictionary<string, object> options)
+        public void ResetWorld(RandomGenerator random, IReadOnlyDictionary<string, object> options)
         {
             foreach (var player in players)
             {
-                (player.X, player.Y) = (2 * chance.Next() - 1, 2 * chance.Next() - 1);
+                (player.X, player.Y) = (2 * random.Next() - 1, 2 * random.Next() - 1);
                 player.Energy = 1;
                 player.Reward = 0;
                 player.Lives = true;
@@ -106,7 +106,7 @@ namespace NetMQExample
         }
 
         /// <inheritdoc/>
-        public (double Reward, bool Terminated, bool Truncated) Judge(string agent, IDictionary<string, object> info) =>
+        public (double Reward, bool Terminated, bool Truncated) RewardAndEnd(string agent, IDictionary<string, object> info) =>
             (Find(agent).Reward, gone.Contains(Find(agent)) || !Hunters.Any() || !Rabbits.Any(), false);
 
         /// <inheritdoc/>

@@ -20,18 +20,18 @@ namespace NetMQExample.Editor
 
         private static void Change(PlayModeStateChange state)
         {
-            EditorApplication.update -= Look;
+            EditorApplication.update -= Check;
             if (state == PlayModeStateChange.ExitingEditMode) before = NetMQLifetime.Users;
             if (state != PlayModeStateChange.EnteredEditMode) return;
             sinceStop = Stopwatch.StartNew();
-            EditorApplication.update += Look;
+            EditorApplication.update += Check;
         }
 
-        private static void Look()
+        private static void Check()
         {
             var left = NetMQLifetime.Users - before;
             if (left > 0 && sinceStop.Elapsed < Timeout) return;
-            EditorApplication.update -= Look;
+            EditorApplication.update -= Check;
             if (left <= 0) return;
             Debug.LogWarning($"NetMQ connections that are still open: {left}; call Dispose in OnDisable of the script "
                 + "that made them");

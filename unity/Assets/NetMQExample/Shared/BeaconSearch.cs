@@ -53,7 +53,7 @@ namespace NetMQExample
 
         /// <summary>Asks now and then, and takes an answer that is there: call it again and again.</summary>
         /// <returns>Such as tcp://192.168.0.7:5553, or null: there is none yet.</returns>
-        public string Look()
+        public string Poll()
         {
             if (ear == null || asked.Elapsed >= Round) BeginQuestion();
             Ask();

@@ -247,7 +247,7 @@ namespace NetMQExample
         {
             if (search != null)
             {
-                var now = search.Look();
+                var now = search.Poll();
                 if (now != null && now != where) Close();
                 return now != null;
             }
@@ -278,7 +278,7 @@ namespace NetMQExample
         {
             socket ??= make();
             if (where != null) return socket;
-            where = search == null ? endpoint : search.Look();
+            where = search == null ? endpoint : search.Poll();
             if (where != null) Connect(socket, where, maxBytes);
             return socket;
         }
