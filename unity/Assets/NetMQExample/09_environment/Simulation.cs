@@ -22,7 +22,7 @@ namespace NetMQExample
         GymSpace Action { get; }
 
         /// <summary>Begins an episode.</summary>
-        /// <param name="chance">Where all that is random comes from.</param>
+        /// <param name="random">Where all that is random comes from.</param>
         /// <param name="options">The options that Python gave to reset, by name.</param>
         /// <param name="state">Where to begin, <see cref="StateSize"/> numbers; empty: by chance.</param>
         void ResetWorld(RandomGenerator random, IReadOnlyDictionary<string, object> options, double[] state);

@@ -20,7 +20,7 @@ namespace NetMQExample
         InfoQueue Infos { get; }
 
         /// <summary>Begins an episode, in which all agents live.</summary>
-        /// <param name="chance">Where all that is random comes from.</param>
+        /// <param name="random">Where all that is random comes from.</param>
         /// <param name="options">The options that Python gave to reset, by name.</param>
         void ResetWorld(RandomGenerator random, IReadOnlyDictionary<string, object> options);
 
