@@ -25,7 +25,7 @@ namespace NetMQExample.Terminal
             NetMQConnection.Check(endpoint);
             using var client = new BackgroundClient(endpoint, timeout, tries);
 
-            // What a game does: frame after frame. Each one runs what came back, and asks once.
+            // This is a game, frame after frame. Each frame runs what came back, and asks once.
             int asked = 0, replies = 0, frames = 0;
             var longest = 0L;
             var shown = "";

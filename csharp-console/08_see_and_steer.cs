@@ -41,7 +41,7 @@ namespace NetMQExample.Terminal
                 else camera.Take(shot, drive, car);
                 asked ??= Task.Run(() => driver.Ask(shot.ToMessage()));
                 if (!lockstep) drive.Step();
-                keyboard?.Look(drive);
+                keyboard?.Poll(drive);
                 while (lockstep ? !asked.IsCompleted : clock.Elapsed < drive.Time) Thread.Sleep(1);
                 if (!asked.IsCompleted) continue;
                 drive.Apply(asked.GetAwaiter().GetResult());

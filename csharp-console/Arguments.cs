@@ -77,7 +77,7 @@ namespace NetMQExample.Terminal
 
         private static string NameOf(string word) => word.StartsWith("--", StringComparison.Ordinal) ? word.Split('=')[0] : word;
 
-        // What follows the equals sign may begin with dashes: a CURVE key does, once in some thousand.
+        // A value after the equals sign may begin with dashes: a CURVE key does, once in some thousand.
         private string? TakeValue(int at)
         {
             var word = rest[at];

@@ -18,7 +18,7 @@ namespace NetMQExample.Terminal
         }
 
         /// <summary>Takes what was pressed since the last call.</summary>
-        public void Look(Drive drive)
+        public void Poll(Drive drive)
         {
             while (Console.KeyAvailable)
             {

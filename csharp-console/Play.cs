@@ -85,7 +85,7 @@ namespace NetMQExample.Terminal
             return stopped == 1 || player.Errors > 0 ? 1 : 0;
         }
 
-        // What freezes Unity's editor would keep a terminal waiting without a word.
+        // A script that freezes Unity's editor would keep a terminal waiting without a word.
         private static void GiveUp(string why)
         {
             Console.Error.WriteLine($"gave up: {why}");

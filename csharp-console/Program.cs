@@ -40,7 +40,7 @@ namespace NetMQExample.Terminal
                 Console.Error.WriteLine(e.Message);
                 return 2;
             }
-            // What was waited for in vain, and what was refused or aborted: GaveUpException and MessageException.
+            // A wait was in vain, or something was refused or aborted: GaveUpException and MessageException.
             catch (Exception e) when (e is TimeoutException || e is IOException)
             {
                 Console.Error.WriteLine($"gave up: {e.Message}");

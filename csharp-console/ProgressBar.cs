@@ -8,7 +8,6 @@ namespace NetMQExample.Terminal
     internal sealed class ProgressBar
     {
         private const int Width = 30;
-        // What erases the rest of a line.
         private const string Erase = "\x1b[K";
 
         private JobNews? before;

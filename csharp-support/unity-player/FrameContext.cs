@@ -1,4 +1,4 @@
-// What follows an await on Unity's main thread runs there again, in the frame after.
+// The code after an await on Unity's main thread runs there again, in the frame after.
 using System;
 using System.Collections.Concurrent;
 using System.Threading;

@@ -1,4 +1,4 @@
-// What a part of each frame costs: its time, and what it leaves for the garbage collector to clear away.
+// The cost of a part of each frame: its time, and the garbage that it leaves.
 using System;
 using System.Diagnostics;
 
@@ -7,7 +7,7 @@ namespace UnityPlayer
     /// <summary>Call <see cref="Begin"/> and <see cref="End"/> around the part, in each frame.</summary>
     public sealed class FrameCost
     {
-        // In the first frames code is compiled and queues grow. What counts is what goes on for hours.
+        // In the first frames code is compiled and queues grow. Only the cost that goes on for hours counts.
         private const int WarmUp = 100;
 
         private static readonly bool Counted = CountsBytes();

@@ -29,7 +29,7 @@ namespace UnityPlayer
                         yield return field;
         }
 
-        /// <summary>What a script's fields have before anybody sets them, in words.</summary>
+        /// <summary>The values of a script's fields before anybody sets them, in words.</summary>
         public static IEnumerable<(string Name, string Value)> Defaults(Type script)
         {
             var one = Activator.CreateInstance(script);
@@ -54,7 +54,7 @@ namespace UnityPlayer
             throw new ArgumentException($"unknown: --{name}; the fields that a script has here: {string.Join(" ", known)}");
         }
 
-        /// <summary>What an array or a list holds, or null.</summary>
+        /// <summary>The type of an array's or a list's items, or null.</summary>
         internal static Type Item(Type type) => type.IsArray ? type.GetElementType()
             : type.IsGenericType && type.GetGenericTypeDefinition() == typeof(List<>) ? type.GetGenericArguments()[0] : null;
 
@@ -65,7 +65,7 @@ namespace UnityPlayer
 
         private static bool CanSerialize(Type type) => IsPlain(Item(type) ?? type) || typeof(Object).IsAssignableFrom(Item(type) ?? type);
 
-        /// <summary>What a scene file always has: a text, an array or a list may be empty there, but not null.</summary>
+        /// <summary>Leaves no text, array or list null: a scene file has them empty at least.</summary>
         public static void FillIn(MonoBehaviour script)
         {
             foreach (var field in Fields(script.GetType()).Where(field => field.GetValue(script) == null))

@@ -1,4 +1,4 @@
-// What Unity's Mono can do with a thread, and .NET cannot.
+// Unity's Mono can abort a thread, and .NET cannot.
 using System.Threading;
 using UnityEngine;
 

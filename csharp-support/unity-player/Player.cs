@@ -64,8 +64,8 @@ namespace UnityPlayer
         public static IEnumerable<string> Left => LoadedScene.Made.Select(thing => thing.GetType().Name + (thing is Material paint
             ? FormattableString.Invariant($":{paint.color.r:F2},{paint.color.g:F2},{paint.color.b:F2}") : ""));
 
-        /// <summary>What somebody does in Run, one a second: the name of a button or of a toggle, <c>Volume=0.5</c> for a slider, <c>Name=Ada</c> for
-        /// an input field, or a script's method, as the inspector wires one to a button.</summary>
+        /// <summary>One click a second in Run: the name of a button or of a toggle, <c>Volume=0.5</c> for a slider,
+        /// <c>Name=Ada</c> for an input field, or a script's method, as the inspector wires one to a button.</summary>
         public Queue<string> Clicks { get; } = new Queue<string>();
 
         /// <summary>The text that OnGUI has drawn last.</summary>
@@ -127,7 +127,7 @@ namespace UnityPlayer
             ForEach(script => script.Tick("Update"));
             Coroutine.Run(null);
             context.Run();
-            // What was made in an Update starts in the same frame.
+            // A script that was made in an Update starts in the same frame.
             ForEach(script => script.BeginFrame());
             ForEach(script => script.Tick("LateUpdate"));
             ForEach(script => script.Tick("OnGUI"));
@@ -162,10 +162,10 @@ namespace UnityPlayer
             }
         }
 
-        /// <summary>What a phone does with a game that is not seen any more, or is again.</summary>
+        /// <summary>Sends a game out of sight and back, as a phone does.</summary>
         public void Pause(bool paused) => Tell("OnApplicationPause", paused);
 
-        /// <summary>What the editor does when a script was changed while playing, but for the reload itself.</summary>
+        /// <summary>Does as the editor does when a script was changed while playing, without the reload itself.</summary>
         public TimeSpan Recompile()
         {
             var busy = Stopwatch.StartNew();

@@ -180,6 +180,7 @@ def test_the_csharp_side_is_read_from_its_sources(tmp_path, capsys):
     assert {"01_request_reply/HelloRequester.cs", "Shared/NetMQLifetime.cs"} <= found
     assert {name.split("/")[0] for name in found} == {"01_request_reply", "Shared"}
     assert not {"01_request_reply/HelloClient.cs", "Shared/NetworkBehaviour.cs"} & found
+    assert len(found) <= 6, "a first client stands on five files"
     assert "kit    | needs: NetMQ; " in capsys.readouterr().out
     copied("16", tmp_path, "--csharp")
     # It has no ZeroMQ. What is for browsers alone, a DLL of JavaScript, stays away.

@@ -215,9 +215,9 @@ public sealed class World : PythonEnvironment
     public override GymSpace Observation { get; } = GymSpace.Box(new[] { 0.0 }, new[] { 10.0 });
     public override GymSpace Action { get; } = GymSpace.Discrete(3);
     public override void ResetWorld(
-        Chance chance, IReadOnlyDictionary<string, object> options, double[] state) => steps = 0;
+        RandomGenerator random, IReadOnlyDictionary<string, object> options, double[] state) => steps = 0;
     public override void Observe(SpaceWriter seen) => seen.Add(steps);
-    public override (double Reward, bool Terminated, bool Truncated) Judge(IDictionary<string, object> info) =>
+    public override (double Reward, bool Terminated, bool Truncated) RewardAndEnd(IDictionary<string, object> info) =>
         (1, steps == 10, false);
 
     protected override void Act(SpaceReader action)

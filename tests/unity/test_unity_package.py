@@ -7,10 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from kitlib import files
-from kitlib.lessons import KitError
-from kitlib.programs import Result
-from kitlib.setup import dotnet
 from kitlib.unity import package
 from kitlib.unity.inventory import LIBRARIES
 from tests.conftest import PYTHON
@@ -101,13 +97,6 @@ def test_equal_input_makes_an_equal_file(packed, dlls, tmp_path):
     assert pack(tmp_path / "Other.unitypackage", dlls).read_bytes() == packed.read_bytes()
 
 
-def test_an_import_brings_unitys_packages(packed):
-    with tarfile.open(packed) as archive:
-        manifest = json.load(archive.extractfile("packagemanagermanifest/asset"))
-    own = json.loads((ROOT / "unity" / "Packages" / "manifest.json").read_text(encoding="utf-8"))
-    assert manifest["dependencies"] and manifest["dependencies"].items() <= own["dependencies"].items()
-
-
 def test_one_lesson_takes_only_what_it_uses(dlls, tmp_path):
     file = pack(tmp_path / "Kit.unitypackage", dlls, "--lesson", "1")
     found = read(file)
@@ -116,16 +105,6 @@ def test_one_lesson_takes_only_what_it_uses(dlls, tmp_path):
     with tarfile.open(file) as archive:
         manifest = json.load(archive.extractfile("packagemanagermanifest/asset"))
     assert manifest == {"dependencies": {"com.unity.modules.jsonserialize": "1.0.0"}}, "ServerAddress reads a field"
-
-
-def test_without_nuget_there_is_one_line_and_no_file(tmp_path, monkeypatch):
-    monkeypatch.setenv("NUGET_PACKAGES", str(tmp_path / "empty"))
-    monkeypatch.setattr(dotnet, "sdk", lambda: "9.0")
-    monkeypatch.setattr(dotnet, "restore", lambda netmq: Result(1, "error NU1301: no such host"))
-    with pytest.raises(KitError, match="nothing was copied; --scripts-only") as error:
-        package.write_package(tmp_path / "Kit.unitypackage", None, False, False, None)
-    assert "\n" not in str(error.value)
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_an_interrupted_run_leaves_nothing(tmp_path, monkeypatch):

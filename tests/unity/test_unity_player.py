@@ -111,8 +111,6 @@ def test_scripts_may_do_here_what_they_do_in_unity(play):
         '"kind":1,"marked":true} -4 0.25 (0.00, 1.00, 0.00)  10 5',
         *["no JSON: JSON parse error: Invalid value."] * 3,
         "no JSON: JSON must represent an object type.",
-        "turned: (350.00, 200.00, 30.00) (-0.577, -0.577, -0.577) (35.26, 225.00, 0.00)"
-        " (270.00, 90.00, 0.00) (0.00, 1.00, 0.00)",
         "in the scene: Connecting",
     ]
     assert [line for line in program.lines[end:] if line in happened] == happened

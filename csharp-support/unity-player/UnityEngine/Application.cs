@@ -82,7 +82,7 @@ namespace UnityEngine
         public static float deltaTime => (float)Checked("get_deltaTime", Fixed == null ? OfThisFrame * timeScale : step);
         public static float unscaledTime => (float)Checked("get_unscaledTime", Unscaled);
         public static float unscaledDeltaTime => (float)Checked("get_unscaledDeltaTime", Elapsed);
-        // What a new project has: a third of a second.
+        // A new project has a third of a second.
         public static float maximumDeltaTime => (float)Checked("get_maximumDeltaTime", 1 / 3.0);
         public static float fixedDeltaTime { get => (float)Checked("get_fixedDeltaTime", step); set => step = Math.Max(value, 0.0001f); }
         public static float realtimeSinceStartup => (float)Checked("get_realtimeSinceStartup", Clock());
@@ -122,7 +122,7 @@ namespace UnityEngine
         // As the editor's Console folds them: how often each exception came.
         private static readonly ConcurrentDictionary<string, int> Thrown = new ConcurrentDictionary<string, int>();
         internal static int Errors => errors;
-        /// <summary>What a message costs; in Unity it is 0.1 ms in a build, and a multiple in the editor.</summary>
+        /// <summary>The time of a message; in Unity it is 0.1 ms in a build, and a multiple in the editor.</summary>
         internal static TimeSpan Cost { get; set; }
         public static void Log(object message) => Write(Console.Out, message, LogType.Log);
         public static void Log(object message, Object context) => Log(message);

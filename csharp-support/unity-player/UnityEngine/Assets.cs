@@ -1,4 +1,4 @@
-// What lies beside the scenes: assets, and events that the inspector wires.
+// Assets lie beside the scenes; events are wired by the inspector.
 using System;
 using System.Collections.Generic;
 using System.Reflection;

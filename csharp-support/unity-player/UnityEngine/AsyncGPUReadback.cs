@@ -61,7 +61,7 @@ namespace UnityEngine.Rendering
                 if (work.Left-- > 0) continue;
                 Working.RemoveAt(i);
                 work.Number++;
-                // Whoever has kept it sees that it is no picture any more.
+                // A script that has kept it sees that it is no picture any more.
                 Array.Fill(work.Pixels, (byte)0xCD);
                 Idle.Push(work);
             }

@@ -1,5 +1,5 @@
-// What scripts say to the inspector and to the engine. The player heeds RequireComponent, DisallowMultipleComponent, Min and
-// RuntimeInitializeOnLoadMethod; the others only have to compile.
+// Attributes speak to the inspector and the engine. The player heeds RequireComponent, DisallowMultipleComponent,
+// Min and RuntimeInitializeOnLoadMethod; the others only have to compile.
 using System;
 
 namespace UnityEngine

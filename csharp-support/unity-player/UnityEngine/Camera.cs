@@ -58,7 +58,7 @@ namespace UnityEngine
         public bool enabled { get; set; } = true;
         public Material sharedMaterial { get; set; } = Default;
 
-        // Who asks for it gets a copy of its own.
+        // In Unity each caller gets a copy of its own.
         public Material material
         {
             get
@@ -91,7 +91,7 @@ namespace UnityEngine
     public sealed class Camera : Behaviour
     {
         private static readonly Rasterizer Graphics = new Rasterizer();
-        /// <summary>What rendering has taken so far, which in Unity the graphics card does.</summary>
+        /// <summary>The time that rendering has taken so far. In Unity the graphics card does it.</summary>
         internal static System.Diagnostics.Stopwatch Rendering { get; } = new System.Diagnostics.Stopwatch();
 
         public static Camera main
@@ -138,7 +138,7 @@ namespace UnityEngine
     {
         internal static bool NoGraphics { get; set; }
         internal static bool NoReadback { get; set; }
-        /// <summary>What some graphics cards do with what a camera has rendered: the highest row first.</summary>
+        /// <summary>Some graphics cards keep what a camera has rendered with the highest row first.</summary>
         internal static bool TopRowFirst { get; set; }
         public static GraphicsDeviceType graphicsDeviceType => NoGraphics ? GraphicsDeviceType.Null : GraphicsDeviceType.OpenGLCore;
         public static bool supportsAsyncGPUReadback => !NoGraphics && !NoReadback;

@@ -1,4 +1,4 @@
-// What Instantiate makes: game objects with their components, and with what their scripts have in serialized fields.
+// Instantiate copies game objects with their components, and with the serialized fields of their scripts.
 using System;
 using System.Collections;
 using System.Collections.Generic;
@@ -59,7 +59,7 @@ namespace UnityEngine
             foreach (var field in Inspector.Fields(from.GetType())) field.SetValue(to, Copy(field.GetValue(from), twins));
         }
 
-        // What refers to a part of the original refers to the same part of the copy.
+        // A reference to a part of the original becomes one to the same part of the copy.
         private static object Copy(object value, Dictionary<Object, Object> twins)
         {
             if (value is Object thing) return twins.TryGetValue(thing, out var twin) ? twin : thing;

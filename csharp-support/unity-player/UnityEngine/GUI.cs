@@ -1,4 +1,4 @@
-// What OnGUI draws with. A terminal has no place for it: the last text and picture are kept, and nobody clicks or types.
+// OnGUI draws with these. A terminal has no place for it: the last text and picture are kept; nobody clicks or types.
 using System;
 
 namespace UnityEngine

@@ -113,7 +113,7 @@ namespace UnityEngine
 
         internal string Path => $"{transform.Above?.Owner.Path}/{Title}";
 
-        /// <summary>What has changed with this object's place among others, or with a switch of its own or above it.</summary>
+        /// <summary>Follows a change of this object's place, or of a switch of its own or above it.</summary>
         internal void Refresh()
         {
             for (var i = 0; i < Components.Count; i++) (Components[i] as MonoBehaviour)?.Refresh();
@@ -172,7 +172,7 @@ namespace UnityEngine
         public static IEnumerable<GameObject> Active => Objects.Where(one => one.activeInHierarchy);
         /// <summary>What is to go, and at which of the game's times.</summary>
         public static List<(Object Thing, double Due)> Destroyed { get; } = new List<(Object, double)>();
-        /// <summary>What stays when a scene is left.</summary>
+        /// <summary>The objects that stay when a scene is left.</summary>
         public static HashSet<GameObject> Kept { get; } = new HashSet<GameObject>();
         /// <summary>Materials and textures that a script has made and not destroyed, which Unity keeps when a scene is left.</summary>
         public static HashSet<Object> Made { get; } = new HashSet<Object>();

@@ -1,4 +1,4 @@
-// What nearly every script of one's own takes from Unity to calculate: Mathf and Random.
+// Nearly every script calculates with these two: Mathf and Random.
 using System;
 using System.Linq;
 

@@ -100,7 +100,7 @@ namespace UnityEngine
             Send(method);
         }
 
-        /// <summary>Calls a message by its name, whatever its access. What it throws is logged and the Play goes on.</summary>
+        /// <summary>Calls a message by its name, whatever its access. An exception is logged.</summary>
         internal void Send(string message)
         {
             if (!messages.TryGetValue(message, out var call)) messages[message] = call = Find(message);

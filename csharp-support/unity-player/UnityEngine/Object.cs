@@ -1,4 +1,4 @@
-// What every thing in a scene has: a name, and an end after which it equals null.
+// Every thing in a scene has a name, and an end after which it equals null.
 using System;
 using System.Linq;
 

@@ -1,4 +1,4 @@
-// What a game remembers, here until the process ends.
+// A game's memory; here it lasts until the process ends.
 using System.Collections.Generic;
 
 namespace UnityEngine
@@ -19,7 +19,7 @@ namespace UnityEngine
         public static void DeleteKey(string key) => Values.Remove(key);
         public static void DeleteAll() => Values.Clear();
         public static void Save() { }
-        // What was set as another type is not there.
+        // A value that was set as another type is not there.
         private static T Get<T>(string key, T otherwise) => Values.TryGetValue(key, out var value) && value is T found ? found : otherwise;
     }
 }

@@ -1,4 +1,4 @@
-// What the Profiler is told of threads.
+// Threads tell the Profiler their names.
 using System.Collections.Concurrent;
 
 namespace UnityEngine.Profiling

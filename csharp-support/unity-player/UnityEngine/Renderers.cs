@@ -1,4 +1,4 @@
-// What scripts set and the player's cameras do not draw: lines, faces and lights.
+// Scripts set lines, faces and lights, which the player's cameras do not draw.
 using System;
 using System.Collections.Generic;
 

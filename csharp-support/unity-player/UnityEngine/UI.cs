@@ -49,13 +49,13 @@ namespace UnityEngine.UI
         public Texture texture { get; set; }
     }
 
-    /// <summary>What somebody can use.</summary>
+    /// <summary>A control that somebody can use.</summary>
     public class Selectable : UIBehaviour
     {
         public bool interactable { get; set; } = true;
 
-        /// <summary>What --click asks for.</summary>
-        /// <param name="value">What stands behind the equals sign, or an empty text.</param>
+        /// <summary>Acts as a user does, for --click.</summary>
+        /// <param name="value">The text behind the equals sign, or an empty one.</param>
         internal void Click(string value)
         {
             if (interactable) Use(value);

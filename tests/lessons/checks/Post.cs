@@ -32,7 +32,7 @@ namespace NetMQExample.Tests
             client.Run(new AgentSimulator(new Post()), 0, answer => answer());
         }
 
-        public void ResetWorld(Chance chance, IReadOnlyDictionary<string, object> options) =>
+        public void ResetWorld(RandomGenerator random, IReadOnlyDictionary<string, object> options) =>
             (written, stamps, steps) = ((string)options.GetValueOrDefault("says") ?? "", new List<object>(), 0);
 
         public void Apply(IReadOnlyDictionary<string, SpaceReader> actions)
@@ -56,7 +56,7 @@ namespace NetMQExample.Tests
                 });
         }
 
-        public (double Reward, bool Terminated, bool Truncated) Judge(string agent, IDictionary<string, object> info)
+        public (double Reward, bool Terminated, bool Truncated) RewardAndEnd(string agent, IDictionary<string, object> info)
         {
             info["read"] = new List<object> { written, (long)stamps.Count };
             return (stamps.Count, agent == "ann" && steps == 4, agent == "bob" && steps == 6);

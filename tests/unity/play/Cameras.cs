@@ -1,4 +1,4 @@
-// What a camera sees, and what is left of it:
+// Prints a camera's picture, and what is left of it:
 //
 //     … play.dll cameras                       on each of four graphics cards
 //
@@ -49,10 +49,10 @@ namespace NetMQExample.PlayTest
         private static void Show(Camera camera, bool grey)
         {
             using var view = new CameraView(camera, 7, 4, grey);
-            var picture = view.Look();
+            var picture = view.Observe();
             camera.backgroundColor = new Color32(0, 255, 0, 255);
             // It has an array of its own.
-            view.Look();
+            view.Observe();
             camera.backgroundColor = new Color32(0, 0, 200, 255);
             Console.WriteLine($"[{string.Join(", ", picture.Shape)}]: {string.Join(" ", picture.Data.ToArray())}");
         }
@@ -79,7 +79,7 @@ namespace NetMQExample.PlayTest
                 player.Frame();
                 var rendering = Camera.Rendering.Elapsed;
                 cost.Begin();
-                view.Look(picture);
+                view.Observe(picture);
                 cost.End((Camera.Rendering.Elapsed - rendering).TotalMilliseconds);
             }
             Console.WriteLine($"cost: {cost}");

@@ -1,4 +1,4 @@
-// What so many frames of a lesson's scripts cost the main thread, at 60 frames a second:
+// Measures so many frames of a lesson's scripts on the main thread, at 60 frames a second:
 //
 //     dotnet play.dll cost 14 300 endpoint=tcp://127.0.0.1:5564 …        the lesson, frames, and the serialized fields
 //     dotnet play.dll cost 14 300 "after= of " …                         not before a line with this was logged

@@ -17,7 +17,7 @@
 //     counted                 whether a program that is not compiled for the editor shows its messages
 //     quit                    the end of the editor
 //
-// What calls NetMQConnection.Show here is compiled as in a build; the folder Editor beside it is not.
+// The calls of NetMQConnection.Show here are compiled as in a build; the folder Editor beside it is not.
 #undef UNITY_EDITOR
 using System;
 using System.Collections.Generic;

@@ -28,7 +28,6 @@ namespace NetMQExample.PlayTest
                 RunInBackground();
                 hello = ShowState();
                 WriteJson();
-                Turn();
             });
             player.Frame();
             Console.WriteLine($"in the scene: {hello.GetComponent<TextMesh>().text.Split('\n')[0]}");
@@ -107,7 +106,7 @@ namespace NetMQExample.PlayTest
             return hello;
         }
 
-        // What a class is made of comes back; what Unity's serializer passes over does not.
+        // A class comes back with its serialized fields; others are passed over, as by Unity's serializer.
         private static void WriteJson()
         {
             var written = JsonUtility.ToJson(new Order { hp = 3, path = { Vector3.up }, text = "a \"word\",\n" });
@@ -116,19 +115,6 @@ namespace NetMQExample.PlayTest
             foreach (var wrong in new[] { "{\"hp\":}", "{\"hp\":1", "hp", "[1]" })
                 try { Console.WriteLine($"read {wrong}: {JsonUtility.FromJson<Order>(wrong).hp}"); }
                 catch (ArgumentException e) { Console.WriteLine($"no JSON: {e.Message}"); }
-        }
-
-        private static void Turn()
-        {
-            var turned = new GameObject("turned").transform;
-            turned.position = Vector3.one;
-            turned.eulerAngles = new Vector3(-10, 200, 30);
-            Console.Write($"turned: {turned.eulerAngles}");
-            turned.LookAt(Vector3.zero);
-            Console.Write($" {turned.forward.ToString("F3")} {turned.eulerAngles}");
-            turned.rotation = Quaternion.AngleAxis(90, Vector3.up * 2);
-            turned.Rotate(-90, 0, 0);
-            Console.WriteLine($" {turned.eulerAngles} {turned.forward}");
         }
     }
 

@@ -1,4 +1,4 @@
-// What the script ArrowKeys makes of each key, where a project listens to the Input System alone, and where it listens to
+// Tells ArrowKeys of each key, where a project listens to the Input System alone, and where it listens to
 // nothing that the kit knows. play.csproj compiles it for both.
 using System;
 using UnityEngine.InputSystem;
@@ -25,7 +25,7 @@ namespace NetMQExample.PlayTest
     }
 }
 
-// What the script names of com.unity.inputsystem, as its Keyboard.cs and ButtonControl.cs declare it.
+// The script names these of com.unity.inputsystem, as its Keyboard.cs and ButtonControl.cs declare them.
 namespace UnityEngine.InputSystem
 {
     internal enum Key { Space = 1, Enter, A = 15, D = 18, S = 33, W = 37, LeftArrow = 61, RightArrow, UpArrow, DownArrow }

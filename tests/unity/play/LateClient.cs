@@ -1,4 +1,4 @@
-// What a busy machine does to a client: its thread comes to its connection when the domain is being unloaded already.
+// On a busy machine a client's thread comes to its connection when the domain is being unloaded already.
 using System;
 using System.Runtime.CompilerServices;
 using System.Threading;

@@ -1,4 +1,4 @@
-// What a busy machine does to a WebSocket that is let go at once: the turns of what it does on the thread pool come in
+// On a busy machine a WebSocket is let go at once, and the turns of what it does on the thread pool come in
 // the midst of an assembly reload.
 using System;
 using System.Reflection;

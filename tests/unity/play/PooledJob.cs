@@ -1,4 +1,4 @@
-// What a busy machine does to a socket that was disposed: its last event is at work when the domain is unloaded.
+// On a busy machine the last event of a disposed socket is at work when the domain is unloaded.
 using System;
 using System.Runtime.CompilerServices;
 using System.Threading;

@@ -91,7 +91,7 @@ namespace NetMQExample.PlayTest
         private static void Tell(string line)
         {
             try { domain.SetData(Asked, line); }
-            // What it was told, it has done, and is unloaded, before this thread had a core to return on.
+            // The domain is done and unloaded before this thread had a core to return on.
             catch (AppDomainUnloadedException) { }
         }
 
@@ -230,7 +230,7 @@ namespace NetMQExample.PlayTest
                     if (field.GetValue(script) is string text && text.Contains("://127.0.0.1:")) field.SetValue(script, endpoint);
                     // A job that lasts as long as the others.
                     if (script is JobRunner && field.Name == "kind") field.SetValue(script, "count");
-                    // Who asks once gives up at the first reply that is late, which is no question here.
+                    // A client that asks once gives up at the first reply that is late, which is no question here.
                     if (field.Name == "timeout" && field.GetValue(script) is float timeout && !asksAgain) field.SetValue(script, Math.Max(timeout, 20f));
                     // As a rule so many that it is still asking when Stop comes.
                     if (field.Name == "count") field.SetValue(script, script is JobRunner ? Math.Min(count, 2000) : script is TalkingCharacter ? Math.Min(count, 200) : count);

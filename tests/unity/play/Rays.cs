@@ -1,4 +1,4 @@
-// What lesson 11's rays meet, a line for each view:
+// Prints what lesson 11's rays meet, a line for each view:
 //
 //     … play.dll rays          a wall ahead at 3 m, a coin to the right at 2 m, and a car that looks and turns
 using System;
@@ -49,7 +49,7 @@ namespace NetMQExample.PlayTest
         private static void Show(string what, Transform car, float radius, int layers)
         {
             var seen = new float[12];
-            new RayView(car, 1, 90, 4, radius, layers, "wall", "coin").Look(seen);
+            new RayView(car, 1, 90, 4, radius, layers, "wall", "coin").Observe(seen);
             Console.WriteLine($"{what}: {string.Join(" ", seen.Select(one => one.ToString("0.###", CultureInfo.InvariantCulture)))}");
         }
     }

@@ -45,7 +45,7 @@ namespace NetMQExample.UnityTests
 
         private static string Run(MethodInfo method, object[] words)
         {
-            // What one test has asserted is not counted against the next.
+            // One test's assertions are not counted against the next.
             using var isolated = new TestExecutionContext.IsolatedContext();
             var player = new Player(typeof(NetMQLifetime).Assembly);
             player.Begin(() => { });

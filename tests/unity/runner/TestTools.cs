@@ -9,7 +9,7 @@ namespace UnityEngine.TestTools
     [AttributeUsage(AttributeTargets.Method)]
     public sealed class UnityTestAttribute : NUnitAttribute { }
 
-    /// <summary>What the log must have in this order; an error that nobody expects fails the test.</summary>
+    /// <summary>Expects lines of the log in this order; an error that nobody expects fails the test.</summary>
     public static class LogAssert
     {
         private static readonly List<(LogType Type, string Line)> Logged = new List<(LogType, string)>();

@@ -1,4 +1,4 @@
-// What Unity calls when it builds a game.
+// Unity calls these when it builds a game.
 using System;
 using UnityEngine.SceneManagement;
 

@@ -63,7 +63,7 @@ namespace UnityEditor
         internal static void Say(PlayModeStateChange state) => playModeStateChanged?.Invoke(state);
     }
 
-    /// <summary>What outlives the editor.</summary>
+    /// <summary>Settings that outlive the editor.</summary>
     public sealed class EditorPrefs
     {
         private static readonly Dictionary<string, string> Kept = new Dictionary<string, string>();
@@ -75,10 +75,10 @@ namespace UnityEditor
 
     public class EditorUtility
     {
-        /// <summary>What the user chooses.</summary>
+        /// <summary>The user's choice in a dialogue.</summary>
         internal static string Chosen { get; set; } = "";
 
-        /// <summary>What lies in Assets, and not in the scene.</summary>
+        /// <summary>The objects in Assets, and not in the scene.</summary>
         internal static HashSet<UnityEngine.Object> Assets { get; } = new HashSet<UnityEngine.Object>();
 
         public static bool IsPersistent(UnityEngine.Object target) => Assets.Contains(target);

@@ -1,4 +1,4 @@
-// What a window draws: kept as lines of text. A test presses a button, or types, before it is drawn.
+// A window's drawing is kept as lines of text. A test presses a button, or types, before it is drawn.
 using System;
 using System.Collections.Generic;
 using UnityEngine;

@@ -1,4 +1,4 @@
-// What the editor does with assets, scenes and the objects in them.
+// The editor's work with assets, scenes and the objects in them.
 using System;
 using System.IO;
 using System.Linq;

@@ -27,7 +27,7 @@ namespace NetMQExample
         private const int MostRemembered = 1000, MostInAPoll = 50, LongestMistake = 1000;
         // A shorter id may be another client's as well.
         private const int UniqueIdBytes = 16;
-        // What Poll spends in a frame. One request is always answered, however long that takes.
+        // Poll spends at most 2 ms in a frame. One request is always answered, however long that takes.
         private static readonly long BudgetTicks = Stopwatch.Frequency / 500;
         // Of the server before, which may have ended in this very frame, NetMQ closes the port on a thread of its own.
         private static readonly TimeSpan PortTimeout = TimeSpan.FromSeconds(1);

@@ -99,7 +99,7 @@ namespace NetMQExample
             using var upcoming = Require.Given("texts", texts).GetEnumerator();
             var number = 0;
             var look = clock.Elapsed + NetMQConnection.Slice;
-            // What the caller does not have yet: how long it takes for one is not the server's time.
+            // The caller's work on one outcome is not the server's time, so the others wait here.
             var outcomes = new Queue<Answer>();
             while (true)
             {

@@ -105,7 +105,7 @@ namespace NetMQExample
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
         /// <returns>False if there is none yet.</returns>
         /// <exception cref="TimeoutException">The publisher is gone.</exception>
-        /// <exception cref="GaveUpException">What gives snapshots is no publisher of poses.</exception>
+        /// <exception cref="GaveUpException">The peer that gives snapshots is no publisher of poses.</exception>
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
         public bool Receive(TimeSpan timeout, CancellationToken stop = default)
         {

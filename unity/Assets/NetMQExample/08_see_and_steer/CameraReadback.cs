@@ -2,7 +2,7 @@
 //
 //     var readback = new CameraReadback(camera, pixels);     the camera has a targetTexture, and is not enabled
 //     readback.Begin();                                      it renders now: what it shows is this moment
-//     if (readback.Look() && !readback.Failed) …             in each Update; after a frame or two the pixels are there
+//     if (readback.Poll() && !readback.Failed) …             in each Update; after a frame or two the pixels are there
 // All of it on Unity's main thread, in URP and in the built-in pipeline.
 //
 // Trouble: without AsyncGPUReadback (OpenGL ES 3.0, for one) Unity waits for each picture; with -nographics there are
@@ -38,7 +38,7 @@ namespace NetMQExample
             this.pixels = Require.Given("pixels", pixels);
         }
 
-        /// <summary>Whether each picture is turned over. What <see cref="IsTurned"/> says makes the lowest row the
+        /// <summary>Whether each picture is turned over. <see cref="IsTurned"/> makes the lowest row the
         /// first one; the opposite, the highest.</summary>
         public bool Turned { get; set; }
 
@@ -59,7 +59,7 @@ namespace NetMQExample
         /// <summary>Takes the picture when it is there. Call it in each frame: in the one after, Unity has taken it
         /// back.</summary>
         /// <returns>True once it is there, or an error.</returns>
-        public bool Look()
+        public bool Poll()
         {
             if (!waits) return true;
             if (!request.done) return false;
@@ -73,7 +73,7 @@ namespace NetMQExample
         public void Wait()
         {
             if (waits) request.WaitForCompletion();
-            Look();
+            Poll();
         }
 
         /// <summary>Whether the highest row comes first. That depends on the graphics card, the pipeline and its

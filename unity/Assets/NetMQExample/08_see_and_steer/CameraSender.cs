@@ -64,7 +64,7 @@ namespace NetMQExample
         {
             base.Update();
             // After an end by trouble nobody needs pictures.
-            if (!Done) shots?.Look(car.Drive, lockstep);
+            if (!Done) shots?.Poll(car.Drive, lockstep);
         }
     }
 }

@@ -44,7 +44,7 @@ namespace NetMQExample
 
         /// <summary>Draws a picture.</summary>
         /// <param name="pixels">Room for <see cref="Size"/> bytes.</param>
-        /// <param name="car">What carries the camera.</param>
+        /// <param name="car">The car that carries the camera.</param>
         /// <param name="number">Drawn as 16 squares, 1 in white, so that a picture says which one it is.</param>
         /// <param name="right">Metres to the right of the car's middle.</param>
         public void Draw(byte[] pixels, Car car, int number, double right = 0)

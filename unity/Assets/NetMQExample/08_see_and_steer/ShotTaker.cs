@@ -51,7 +51,7 @@ namespace NetMQExample
         /// <summary>Takes what has come, and a new shot if the world has moved far enough. For Update.</summary>
         /// <param name="drive">What is written beside the pictures.</param>
         /// <param name="wait">Whether the pictures are wanted in this very frame.</param>
-        public void Look(Drive drive, bool wait)
+        public void Poll(Drive drive, bool wait)
         {
             Collect();
             if (drive.Frame < next || begun.Count == 2) return;
@@ -101,8 +101,8 @@ namespace NetMQExample
         private void Collect()
         {
             // In each frame, and each camera by itself: what is done is there for one frame only.
-            foreach (var taking in begun) taking.Look();
-            while (begun.Count > 0 && begun.Peek().Look())
+            foreach (var taking in begun) taking.Poll();
+            while (begun.Count > 0 && begun.Peek().Poll())
             {
                 var taking = begun.Dequeue();
                 if (taking.Failed != trouble)
@@ -135,13 +135,13 @@ namespace NetMQExample
 
             public bool Failed { get; private set; }
 
-            public bool Look()
+            public bool Poll()
             {
                 var all = true;
                 Failed = false;
                 foreach (var readback in Readbacks)
                 {
-                    if (!readback.Look()) all = false;
+                    if (!readback.Poll()) all = false;
                     if (readback.Failed) Failed = true;
                 }
                 return all;

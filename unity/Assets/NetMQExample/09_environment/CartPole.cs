@@ -44,7 +44,7 @@ namespace NetMQExample
         public GymSpace Action { get; } = GymSpace.Discrete(2);
 
         /// <inheritdoc/>
-        public void ResetWorld(Chance chance, IReadOnlyDictionary<string, object> options, double[] state)
+        public void ResetWorld(RandomGenerator random, IReadOnlyDictionary<string, object> options, double[] state)
         {
             double Option(string name, double standard)
             {
@@ -54,7 +54,7 @@ namespace NetMQExample
                     "low and high are numbers, between which an episode begins");
             }
             double low = Option("low", -0.05), high = Option("high", 0.05);
-            double Drawn() => low + (high - low) * chance.Next();
+            double Drawn() => low + (high - low) * random.Next();
             if (state.Length == 0) state = new[] { Drawn(), Drawn(), Drawn(), Drawn() };
             (Place, speed, Angle, turning) = (state[0], state[1], state[2], state[3]);
         }
@@ -78,7 +78,7 @@ namespace NetMQExample
         public void Observe(SpaceWriter seen) => seen.Add(Place, speed, Angle, turning);
 
         /// <inheritdoc/>
-        public (double Reward, bool Terminated, bool Truncated) Judge(IDictionary<string, object> info) =>
+        public (double Reward, bool Terminated, bool Truncated) RewardAndEnd(IDictionary<string, object> info) =>
             (1, Math.Abs(Place) > Track || Math.Abs(Angle) > Fall, false);
 
         /// <inheritdoc/>

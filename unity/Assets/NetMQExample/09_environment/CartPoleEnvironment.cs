@@ -27,8 +27,8 @@ namespace NetMQExample
         public override GymSpace Action => world.Action;
 
         /// <inheritdoc/>
-        public override void ResetWorld(Chance chance, IReadOnlyDictionary<string, object> options, double[] state) =>
-            world.ResetWorld(chance, options, state);
+        public override void ResetWorld(RandomGenerator random, IReadOnlyDictionary<string, object> options, double[] state) =>
+            world.ResetWorld(random, options, state);
 
         /// <inheritdoc/>
         protected override void Act(SpaceReader action) => world.Apply(action);
@@ -37,8 +37,8 @@ namespace NetMQExample
         public override void Observe(SpaceWriter seen) => world.Observe(seen);
 
         /// <inheritdoc/>
-        public override (double Reward, bool Terminated, bool Truncated) Judge(IDictionary<string, object> info) =>
-            world.Judge(info);
+        public override (double Reward, bool Terminated, bool Truncated) RewardAndEnd(IDictionary<string, object> info) =>
+            world.RewardAndEnd(info);
 
         /// <inheritdoc/>
         public override MessageArray Render() => world.Render();

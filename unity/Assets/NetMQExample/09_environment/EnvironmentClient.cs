@@ -107,8 +107,8 @@ namespace NetMQExample
         {
             perform(() => simulator.Hello());
             // Not the simulator's own: in Unity it is asked on the main thread alone.
-            var name = simulator.Words.Values["name"];
-            Send(simulator.Words, limit, stop);
+            var name = simulator.Reply.Values["name"];
+            Send(simulator.Reply, limit, stop);
             // From now on it makes no second connection: it might do so between two looks, without a hello, and Python
             // and simulator would wait for each other.
             connection.Socket.Options.ReconnectInterval = Timeout.InfiniteTimeSpan;
@@ -128,7 +128,7 @@ namespace NetMQExample
                     if (begins && count > 0 && simulator.Episodes >= count) return;
                     do perform(answer);
                     while (simulator.Waiting);
-                    if (simulator.Words != null) Send(simulator.Words, Try, stop);
+                    if (simulator.Reply != null) Send(simulator.Reply, Try, stop);
                     else Send(simulator.Frame.Span, false, Try, stop);
                 }
                 // For the last answer; else it would be dropped.
@@ -174,7 +174,7 @@ namespace NetMQExample
             throw new TimeoutException(Nothing);
         }
 
-        // What came in words; null: a reset or a step, which then is in `step`.
+        // A request in words; null: a reset or a step, which then is in `step`.
         private Message Receive(TimeSpan limit, CancellationToken stop)
         {
             foreach (var slice in NetMQConnection.Slices(limit, stop))

@@ -38,7 +38,7 @@ namespace NetMQExample
             this.description = description.Prepend(kind).ToList();
         }
 
-        /// <summary>What Python calls it: box, discrete, dict and so on.</summary>
+        /// <summary>Its name in Python: box, discrete, dict and so on.</summary>
         public string Kind { get; }
 
         /// <summary>Its description in a hello.</summary>

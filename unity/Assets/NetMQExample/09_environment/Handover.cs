@@ -27,7 +27,7 @@ namespace NetMQExample
         public SimulatorBase Simulator { get; set; }
 
         /// <summary>Has it done, and waits for that. For the network thread.</summary>
-        /// <param name="action">What may touch the scene.</param>
+        /// <param name="action">It may touch the scene.</param>
         /// <param name="stop">Ends the wait.</param>
         public void Do(Action action, CancellationToken stop)
         {

@@ -48,7 +48,7 @@ namespace NetMQExample
         public abstract GymSpace Action { get; }
 
         /// <inheritdoc/>
-        public abstract void ResetWorld(Chance chance, IReadOnlyDictionary<string, object> options, double[] state);
+        public abstract void ResetWorld(RandomGenerator random, IReadOnlyDictionary<string, object> options, double[] state);
 
         /// <summary>Does an action. Physics is simulated after it.</summary>
         protected abstract void Act(SpaceReader action);
@@ -57,7 +57,7 @@ namespace NetMQExample
         public abstract void Observe(SpaceWriter seen);
 
         /// <inheritdoc/>
-        public abstract (double Reward, bool Terminated, bool Truncated) Judge(IDictionary<string, object> info);
+        public abstract (double Reward, bool Terminated, bool Truncated) RewardAndEnd(IDictionary<string, object> info);
 
         /// <inheritdoc/>
         public virtual MessageArray Render() => throw new MessageException("no-picture",
@@ -87,8 +87,8 @@ namespace NetMQExample
         }
 
         /// <inheritdoc/>
-        protected override void ResetByHand(Chance chance) =>
-            ResetWorld(chance, new Dictionary<string, object>(), new double[0]);
+        protected override void ResetByHand(RandomGenerator random) =>
+            ResetWorld(random, new Dictionary<string, object>(), new double[0]);
 
         /// <inheritdoc/>
         protected override (double Reward, bool Over) StepByHand()
@@ -96,7 +96,7 @@ namespace NetMQExample
             played ??= new SpaceReader(Action);
             played.Set(Heuristic());
             Apply(played);
-            var (reward, terminated, truncated) = Judge(new Dictionary<string, object>());
+            var (reward, terminated, truncated) = RewardAndEnd(new Dictionary<string, object>());
             return (reward, terminated || truncated);
         }
     }

@@ -170,8 +170,8 @@ namespace NetMQExample
 
         /// <summary>Ends the row of the next one.</summary>
         /// <param name="who">For a person who must mend something.</param>
-        /// <param name="verdict">What it was worth, and whether the episode is over.</param>
-        /// <param name="info">What else Python is to know; null or empty: nothing.</param>
+        /// <param name="verdict">The step's reward, and whether the episode is over.</param>
+        /// <param name="info">More for Python; null or empty: nothing.</param>
         /// <exception cref="MessageException">The reward is no number.</exception>
         public void EndRow(string who, (double Reward, bool Terminated, bool Truncated) verdict,
             IReadOnlyDictionary<string, object> info = null)
@@ -191,8 +191,8 @@ namespace NetMQExample
         }
 
         /// <summary>The next one is not there any more: nothing is seen of it.</summary>
-        /// <param name="verdict">What it was worth until it left, and whether its episode was over by then.</param>
-        /// <param name="info">What it has said until then.</param>
+        /// <param name="verdict">Its reward until it left, and whether its episode was over by then.</param>
+        /// <param name="info">The infos that it has sent until then.</param>
         public void EndAbsent((double Reward, bool Terminated, bool Truncated) verdict,
             IReadOnlyDictionary<string, object> info)
         {

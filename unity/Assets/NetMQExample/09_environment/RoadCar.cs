@@ -1,6 +1,6 @@
 // Lesson 09, the second world: lesson 08's car on its road, to be driven step by step. In Python: road_car.py.
 //
-// What it sees is where it is relative to the road, or the drawn picture. Both sides give the same numbers to the last
+// It observes where it is relative to the road, or the drawn picture. Both sides give the same numbers to the last
 // bit, as Car.cs and Road.cs do. Your own simulation takes its place.
 using System;
 using System.Collections.Generic;
@@ -48,9 +48,9 @@ namespace NetMQExample
         public GymSpace Action { get; } = GymSpace.Box(new double[] { -1, -1 }, new double[] { 1, 1 });
 
         /// <inheritdoc/>
-        public void ResetWorld(Chance chance, IReadOnlyDictionary<string, object> options, double[] state)
+        public void ResetWorld(RandomGenerator random, IReadOnlyDictionary<string, object> options, double[] state)
         {
-            var at = state.Length > 0 ? state[0] : Math.Floor(chance.Next() * road.Points.Length);
+            var at = state.Length > 0 ? state[0] : Math.Floor(random.Next() * road.Points.Length);
             if (!(at >= 0 && at < road.Points.Length))
                 throw new MessageException("bad-state", $"the road has the points 0 to {road.Points.Length - 1}");
             car = new Car(road, (int)at);
@@ -83,7 +83,7 @@ namespace NetMQExample
         }
 
         /// <inheritdoc/>
-        public (double Reward, bool Terminated, bool Truncated) Judge(IDictionary<string, object> info)
+        public (double Reward, bool Terminated, bool Truncated) RewardAndEnd(IDictionary<string, object> info)
         {
             info["metres"] = metres;
             return (Progress(), road.Nearest(car.X, car.Y).Distance > Road.HalfWidth, false);

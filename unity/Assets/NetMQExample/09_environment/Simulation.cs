@@ -22,14 +22,14 @@ namespace NetMQExample
         GymSpace Action { get; }
 
         /// <summary>Begins an episode.</summary>
-        /// <param name="chance">Where all that is random comes from.</param>
-        /// <param name="options">What Python gave to reset, by name.</param>
+        /// <param name="random">Where all that is random comes from.</param>
+        /// <param name="options">The options that Python gave to reset, by name.</param>
         /// <param name="state">Where to begin, <see cref="StateSize"/> numbers; empty: by chance.</param>
-        void ResetWorld(Chance chance, IReadOnlyDictionary<string, object> options, double[] state);
+        void ResetWorld(RandomGenerator random, IReadOnlyDictionary<string, object> options, double[] state);
 
         /// <summary>Does it, for <see cref="Dt"/> seconds.</summary>
-        /// <param name="action">In <see cref="Action"/>: <c>action[0]</c> is its first number. Whoever keeps it keeps
-        /// the numbers: the next one comes in the same object.</param>
+        /// <param name="action">In <see cref="Action"/>: <c>action[0]</c> is its first number. The next action
+        /// comes in the same object, so copy the numbers that you keep.</param>
         void Apply(SpaceReader action);
 
         /// <summary>Says what is seen now, such as <c>seen.Add(x, y)</c>.</summary>
@@ -37,7 +37,7 @@ namespace NetMQExample
 
         /// <summary>How good that was, and whether the episode is over.</summary>
         /// <param name="info">Takes whatever else Python is to know, by name.</param>
-        (double Reward, bool Terminated, bool Truncated) Judge(IDictionary<string, object> info);
+        (double Reward, bool Terminated, bool Truncated) RewardAndEnd(IDictionary<string, object> info);
 
         /// <summary>A picture, uint8 [height, width, 3], the highest row first.</summary>
         MessageArray Render();

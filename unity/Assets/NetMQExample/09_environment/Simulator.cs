@@ -25,7 +25,7 @@ namespace NetMQExample
         public abstract string Name { get; }
 
         /// <summary>The last answer, where it was in words; else null, and it is in <see cref="Frame"/>.</summary>
-        public Message Words { get; private set; }
+        public Message Reply { get; private set; }
 
         /// <summary>The last answer to a reset or a step.</summary>
         public ReadOnlyMemory<byte> Frame { get; private set; }
@@ -39,7 +39,7 @@ namespace NetMQExample
         {
             id = 0;
             Waiting = false;
-            return Words = Describe();
+            return Reply = Describe();
         }
 
         /// <summary>Answers a reset or a step, unless that was done before. The answer is kept.</summary>
@@ -58,12 +58,12 @@ namespace NetMQExample
                 if (Waiting) return;
                 See(request, state);
                 Frame = state.Frame();
-                Words = null;
+                Reply = null;
             }
             catch (Exception e)
             {
                 Waiting = false;
-                Words = Refusal(e);
+                Reply = Refusal(e);
             }
         }
 
@@ -75,13 +75,13 @@ namespace NetMQExample
             id = request.Id;
             try
             {
-                Words = Say(request);
+                Reply = Say(request);
                 // A value that cannot be written is found here.
-                Words.Header();
+                Reply.Header();
             }
             catch (Exception e)
             {
-                Words = Refusal(e);
+                Reply = Refusal(e);
             }
         }
 
@@ -112,7 +112,7 @@ namespace NetMQExample
             };
         }
 
-        /// <summary>Whom an info is for, empty for the environment, and what it is.</summary>
+        /// <summary>An info with its receiver, empty for the environment.</summary>
         protected static (string Whom, object Info) InfoOf(Message request) => request.Arrays.Count == 1
             && MessageTree.Read(request.Arrays[0].Data) is List<object> pair
             && pair.Count == 2 && pair[0] is string agent ? (agent, pair[1])
@@ -206,7 +206,7 @@ namespace NetMQExample
             for (var i = 0; i < areas.Length; i++)
             {
                 if (request.OrderOf(i) != Order.Reset) continue;
-                areas[i].ResetWorld(new Chance(request.Seed(i)), options, state);
+                areas[i].ResetWorld(new RandomGenerator(request.Seed(i)), options, state);
                 Episodes++;
             }
             for (var i = 0; i < areas.Length; i++) SeeArea(i, request.OrderOf(i), answer);
@@ -215,7 +215,7 @@ namespace NetMQExample
         private void SeeArea(int i, Order order, StepAnswer answer)
         {
             info.Clear();
-            var verdict = order == Order.Step ? areas[i].Judge(info) : (0, false, false);
+            var verdict = order == Order.Step ? areas[i].RewardAndEnd(info) : (0, false, false);
             areas[i].Observe(seen.Begin(answer.Rows));
             seen.End();
             names ??= areas.Select((area, at) => Count > 1 ? $"{area.Name}, area {at}" : area.Name).ToArray();

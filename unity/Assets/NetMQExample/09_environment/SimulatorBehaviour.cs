@@ -24,10 +24,10 @@ namespace NetMQExample
         protected override bool Connects => !played;
 
         /// <summary>Begins an episode that is played by hand.</summary>
-        protected abstract void ResetByHand(Chance chance);
+        protected abstract void ResetByHand(RandomGenerator random);
 
         /// <summary>One step by hand.</summary>
-        /// <returns>What it was worth, and whether the episode is over.</returns>
+        /// <returns>The step's reward, and whether the episode is over.</returns>
         protected abstract (double Reward, bool Over) StepByHand();
 
         /// <inheritdoc/>
@@ -37,7 +37,7 @@ namespace NetMQExample
             base.Begin();
             if (!played) return;
             Debug.Log("by hand: Heuristic plays, without Python; each episode's return follows");
-            ResetByHand(new Chance(seed));
+            ResetByHand(new RandomGenerator(seed));
         }
 
         /// <summary>Plays by hand.</summary>
@@ -54,7 +54,7 @@ namespace NetMQExample
             Debug.Log(FormattableString.Invariant($"by hand: {steps} steps, return {total:F1}"));
             steps = 0;
             total = 0;
-            ResetByHand(new Chance(++seed));
+            ResetByHand(new RandomGenerator(++seed));
         }
     }
 }

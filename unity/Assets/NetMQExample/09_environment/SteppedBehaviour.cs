@@ -77,10 +77,10 @@ namespace NetMQExample
         protected override void Talk(CancellationToken stop)
         {
             var words = Environment.GetCommandLineArgs();
-            var told = Array.IndexOf(words, "--endpoint") + 1;
-            var place = told > 0 && told < words.Length ? words[told] : Endpoint;
+            var at = Array.IndexOf(words, "--endpoint") + 1;
+            var place = at > 0 && at < words.Length ? words[at] : Endpoint;
             var own = handover;
-            own.Launched = told > 0;
+            own.Launched = at > 0;
             Log($"asking {place}");
             var simulator = MakeSimulator();
             simulator.Mistake = Debug.LogException;
@@ -95,7 +95,7 @@ namespace NetMQExample
             own.Quick = thinking.ElapsedMilliseconds < MostMilliseconds;
             own.Do(work, stop);
             // A hello, of which there is a new one each second while nobody listens, is no step.
-            own.Stepped = simulator.Words?.Kind != "hello";
+            own.Stepped = simulator.Reply?.Kind != "hello";
             thinking.Restart();
         }
 

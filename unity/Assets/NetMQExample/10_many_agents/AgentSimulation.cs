@@ -7,7 +7,7 @@ namespace NetMQExample
     /// <summary>Your own game has these. In Unity derive from PythonAgents, which is one.</summary>
     public interface IAgentSimulation
     {
-        /// <summary>What Python calls it.</summary>
+        /// <summary>Its name in Python.</summary>
         string Name { get; }
 
         /// <summary>How many seconds one step takes.</summary>
@@ -16,13 +16,13 @@ namespace NetMQExample
         /// <summary>All agents, with what each of them sees and does.</summary>
         IReadOnlyList<(string Name, GymSpace Observation, GymSpace Action)> Agents { get; }
 
-        /// <summary>What Python is to know at any time: <c>Infos.Send(agent, info)</c>.</summary>
+        /// <summary>Infos for Python at any time: <c>Infos.Send(agent, info)</c>.</summary>
         InfoQueue Infos { get; }
 
         /// <summary>Begins an episode, in which all agents live.</summary>
-        /// <param name="chance">Where all that is random comes from.</param>
-        /// <param name="options">What Python gave to reset, by name.</param>
-        void ResetWorld(Chance chance, IReadOnlyDictionary<string, object> options);
+        /// <param name="random">Where all that is random comes from.</param>
+        /// <param name="options">The options that Python gave to reset, by name.</param>
+        void ResetWorld(RandomGenerator random, IReadOnlyDictionary<string, object> options);
 
         /// <summary>Does what the agents want, for <see cref="Dt"/> seconds.</summary>
         /// <param name="actions">Of each agent that lives.</param>
@@ -35,7 +35,7 @@ namespace NetMQExample
         /// </summary>
         /// <param name="agent">Its name.</param>
         /// <param name="info">Takes whatever else Python is to know of it, by name.</param>
-        (double Reward, bool Terminated, bool Truncated) Judge(string agent, IDictionary<string, object> info);
+        (double Reward, bool Terminated, bool Truncated) RewardAndEnd(string agent, IDictionary<string, object> info);
 
         /// <summary>Python has said something to an agent; to the environment if the name is empty.</summary>
         void OnInfo(string agent, IReadOnlyDictionary<string, object> info);

@@ -66,13 +66,13 @@ namespace NetMQExample
                 throw new MessageException("unknown-agent", $"there is no agent {MessageJson.Shown(agent)}");
             game.OnInfo(agent, info as Dictionary<string, object>
                 ?? throw new MessageException("bad-info", "it is no dict"));
-            var told = game.Infos.Take() ?? new byte[0];
-            return new Message("told", request.Id) { Arrays = { new MessageArray("uint8", told, told.Length) } };
+            var infos = game.Infos.Take() ?? new byte[0];
+            return new Message("told", request.Id) { Arrays = { new MessageArray("uint8", infos, infos.Length) } };
         }
 
         private void Reset(StepRequest request)
         {
-            game.ResetWorld(new Chance(request.Seed(0)), request.ReadOptions());
+            game.ResetWorld(new RandomGenerator(request.Seed(0)), request.ReadOptions());
             foreach (var player in players) player.Lives = true;
             Episodes++;
         }
@@ -111,7 +111,7 @@ namespace NetMQExample
                 return;
             }
             player.Info.Clear();
-            var verdict = resets ? (0, false, false) : game.Judge(player.Name, player.Info);
+            var verdict = resets ? (0, false, false) : game.RewardAndEnd(player.Name, player.Info);
             game.Observe(player.Name, player.Seen.Begin(answer.Rows));
             player.Seen.End();
             answer.EndRow(player.Name, verdict, player.Info);

@@ -13,7 +13,7 @@ namespace NetMQExample
         private long dropped;
 
         /// <summary>Python gets it with the next answer.</summary>
-        /// <param name="agent">Whose it is; empty: the environment's.</param>
+        /// <param name="agent">The agent; empty: the environment.</param>
         /// <param name="info">Texts, numbers, true, false, arrays, lists and dictionaries by name.</param>
         /// <exception cref="MessageException">There is something else in it.</exception>
         public void Send(string agent, IReadOnlyDictionary<string, object> info)
@@ -34,12 +34,12 @@ namespace NetMQExample
             if (dropped > 0)
                 infos.Add(new List<object> { "", new Dictionary<string, object> { ["dropped"] = dropped } });
             if (infos.Count == 0) return null;
-            var told = infos;
+            var taken = infos;
             // First: what cannot be written any more is not tried again.
             infos = new List<object>();
             size = 0;
             dropped = 0;
-            return MessageTree.Write(told);
+            return MessageTree.Write(taken);
         }
     }
 }

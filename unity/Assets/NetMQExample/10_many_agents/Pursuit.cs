@@ -16,7 +16,7 @@ namespace NetMQExample
     {
         // The world goes from -1 to 1, both ways; in one step a hunter comes so far, and a rabbit.
         private const double HunterRun = 0.05, RabbitRun = 0.06;
-        // Nearer than this a rabbit is caught. What a step costs a hunter, who runs or who rests; it begins with 1.
+        // Nearer than this a rabbit is caught. A step costs a hunter, who begins with 1, this if he runs or rests.
         private const double Reach = 0.1, Running = 0.03, Resting = 0.01;
         private const int Size = 200;
         private static readonly (int Right, int Up)[] Ways = { (0, 0), (-1, 0), (1, 0), (0, -1), (0, 1) };
@@ -57,11 +57,11 @@ namespace NetMQExample
         }
 
         /// <inheritdoc/>
-        public void ResetWorld(Chance chance, IReadOnlyDictionary<string, object> options)
+        public void ResetWorld(RandomGenerator random, IReadOnlyDictionary<string, object> options)
         {
             foreach (var player in players)
             {
-                (player.X, player.Y) = (2 * chance.Next() - 1, 2 * chance.Next() - 1);
+                (player.X, player.Y) = (2 * random.Next() - 1, 2 * random.Next() - 1);
                 player.Energy = 1;
                 player.Reward = 0;
                 player.Lives = true;
@@ -106,7 +106,7 @@ namespace NetMQExample
         }
 
         /// <inheritdoc/>
-        public (double Reward, bool Terminated, bool Truncated) Judge(string agent, IDictionary<string, object> info) =>
+        public (double Reward, bool Terminated, bool Truncated) RewardAndEnd(string agent, IDictionary<string, object> info) =>
             (Find(agent).Reward, gone.Contains(Find(agent)) || !Hunters.Any() || !Rabbits.Any(), false);
 
         /// <inheritdoc/>

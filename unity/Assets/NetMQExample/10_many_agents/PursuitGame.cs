@@ -27,8 +27,8 @@ namespace NetMQExample
         public override InfoQueue Infos => world.Infos;
 
         /// <inheritdoc/>
-        public override void ResetWorld(Chance chance, IReadOnlyDictionary<string, object> options) =>
-            world.ResetWorld(chance, options);
+        public override void ResetWorld(RandomGenerator random, IReadOnlyDictionary<string, object> options) =>
+            world.ResetWorld(random, options);
 
         /// <inheritdoc/>
         protected override void Act(IReadOnlyDictionary<string, SpaceReader> actions) => world.Apply(actions);
@@ -37,8 +37,8 @@ namespace NetMQExample
         public override void Observe(string agent, SpaceWriter seen) => world.Observe(agent, seen);
 
         /// <inheritdoc/>
-        public override (double Reward, bool Terminated, bool Truncated) Judge(
-            string agent, IDictionary<string, object> info) => world.Judge(agent, info);
+        public override (double Reward, bool Terminated, bool Truncated) RewardAndEnd(
+            string agent, IDictionary<string, object> info) => world.RewardAndEnd(agent, info);
 
         /// <inheritdoc/>
         public override MessageArray Render() => world.Render();

@@ -33,7 +33,7 @@ namespace NetMQExample
         public virtual InfoQueue Infos { get; } = new InfoQueue();
 
         /// <inheritdoc/>
-        public abstract void ResetWorld(Chance chance, IReadOnlyDictionary<string, object> options);
+        public abstract void ResetWorld(RandomGenerator random, IReadOnlyDictionary<string, object> options);
 
         /// <summary>Does what the agents want. Physics is simulated after it.</summary>
         protected abstract void Act(IReadOnlyDictionary<string, SpaceReader> actions);
@@ -42,14 +42,14 @@ namespace NetMQExample
         public abstract void Observe(string agent, SpaceWriter seen);
 
         /// <inheritdoc/>
-        public abstract (double Reward, bool Terminated, bool Truncated) Judge(
+        public abstract (double Reward, bool Terminated, bool Truncated) RewardAndEnd(
             string agent, IDictionary<string, object> info);
 
         /// <inheritdoc/>
         public virtual void OnInfo(string agent, IReadOnlyDictionary<string, object> info) { }
 
         /// <summary>Says something to Python, which gets it with the next answer.</summary>
-        /// <param name="agent">Whose it is; empty: the environment's.</param>
+        /// <param name="agent">The agent; empty: the environment.</param>
         /// <param name="info">Texts, numbers, true, false, arrays, lists and dictionaries by name.</param>
         protected void SendInfo(string agent, IReadOnlyDictionary<string, object> info) => Infos.Send(agent, info);
 
@@ -77,9 +77,9 @@ namespace NetMQExample
         }
 
         /// <inheritdoc/>
-        protected override void ResetByHand(Chance chance)
+        protected override void ResetByHand(RandomGenerator random)
         {
-            ResetWorld(chance, new Dictionary<string, object>());
+            ResetWorld(random, new Dictionary<string, object>());
             living.Clear();
             living.AddRange(Agents.Select(agent => agent.Name));
         }
@@ -102,7 +102,7 @@ namespace NetMQExample
             var total = 0.0;
             foreach (var agent in living.ToArray())
             {
-                var (reward, terminated, truncated) = Judge(agent, new Dictionary<string, object>());
+                var (reward, terminated, truncated) = RewardAndEnd(agent, new Dictionary<string, object>());
                 total += reward;
                 if (terminated || truncated) living.Remove(agent);
             }

@@ -12,7 +12,7 @@ namespace NetMQExample
 {
     /// <summary>A scene with many areas as a vector environment. The areas below it do not connect by
     /// themselves; one on its own GameObject does nothing.</summary>
-    /// <typeparam name="TArea">What each area has.</typeparam>
+    /// <typeparam name="TArea">The environment of each area.</typeparam>
     public abstract class PythonAreas<TArea> : SteppedBehaviour, IStepsOthers where TArea : PythonEnvironment
     {
         [SerializeField, Tooltip("The environment")] private string endpoint = "tcp://127.0.0.1:5560";

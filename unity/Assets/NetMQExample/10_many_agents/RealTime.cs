@@ -47,9 +47,9 @@ namespace NetMQExample
         public InfoQueue Infos => game.Infos;
 
         /// <inheritdoc/>
-        public void ResetWorld(Chance chance, IReadOnlyDictionary<string, object> options)
+        public void ResetWorld(RandomGenerator random, IReadOnlyDictionary<string, object> options)
         {
-            game.ResetWorld(chance, options);
+            game.ResetWorld(random, options);
             real = options.TryGetValue("real_time", out var value) && value is true;
             next = clock.Elapsed.TotalSeconds + Dt;
             living = Agents.Select(agent => agent.Name).ToList();
@@ -82,15 +82,15 @@ namespace NetMQExample
             foreach (var agent in living)
                 if (actions.TryGetValue(agent, out var action)) acting[agent] = action;
             game.Apply(acting);
-            foreach (var agent in living) Judge(agent);
+            foreach (var agent in living) Add(agent);
             living.RemoveAll(isOver);
         }
 
-        private void Judge(string agent)
+        private void Add(string agent)
         {
             var verdict = verdicts[agent];
             verdict.Info.Clear();
-            var (reward, terminated, truncated) = game.Judge(agent, verdict.Info);
+            var (reward, terminated, truncated) = game.RewardAndEnd(agent, verdict.Info);
             verdict.Reward += reward;
             verdict.Terminated = terminated;
             verdict.Truncated = truncated;
@@ -100,7 +100,7 @@ namespace NetMQExample
         public void Observe(string agent, SpaceWriter seen) => game.Observe(agent, seen);
 
         /// <inheritdoc/>
-        public (double Reward, bool Terminated, bool Truncated) Judge(string agent, IDictionary<string, object> info)
+        public (double Reward, bool Terminated, bool Truncated) RewardAndEnd(string agent, IDictionary<string, object> info)
         {
             var verdict = verdicts[agent];
             foreach (var value in verdict.Info) info[value.Key] = value.Value;

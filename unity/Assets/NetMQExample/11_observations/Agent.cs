@@ -29,7 +29,7 @@ namespace NetMQExample
         /// <summary>All that take part now. For the main thread.</summary>
         public static List<IAgent> All => AgentRoster.All;
 
-        /// <summary>What Python calls it. A script that makes agents names each one as soon as it is made.</summary>
+        /// <summary>Its name in Python. A script that makes agents names each one as soon as it is made.</summary>
         public string Name
         {
             get => agentName;
@@ -54,7 +54,7 @@ namespace NetMQExample
         public AgentState State => state ??= MakeState();
 
         /// <summary>The random numbers of this episode, which Python's seed decides.</summary>
-        protected Chance Chance => State.Chance;
+        protected RandomGenerator RandomGenerator => State.RandomGenerator;
 
         /// <inheritdoc/>
         public abstract void OnReset();
@@ -117,7 +117,7 @@ namespace NetMQExample
             if (State.Over)
             {
                 Debug.Log(FormattableString.Invariant($"by hand: {Name} has ended, return {State.Reward:F1}"));
-                State.Begin(new Chance(Time.frameCount), State.Options);
+                State.Begin(new RandomGenerator(Time.frameCount), State.Options);
                 OnReset();
             }
             OnTick(Time.fixedDeltaTime);

@@ -73,7 +73,7 @@ namespace NetMQExample
 
         /// <summary>Reads the attributes of an object's class.</summary>
         /// <param name="name">The agent's; two agents of a scene have two.</param>
-        /// <param name="observed">Whose members are seen.</param>
+        /// <param name="observed">The object with the observed members.</param>
         /// <param name="period">How many ticks a step of this agent takes.</param>
         /// <exception cref="ArgumentException">A locator is wrong; the message names member and column.</exception>
         public AgentState(string name, object observed, int period = 1)
@@ -90,7 +90,7 @@ namespace NetMQExample
                     $"{string.Join(" and ", twice.Select(source => source.Name))} go to one place: {twice.Key}");
         }
 
-        /// <summary>What Python calls it.</summary>
+        /// <summary>Its name in Python.</summary>
         public string Name { get; }
 
         /// <summary>How many ticks a step of this agent takes, at least 1.</summary>
@@ -107,9 +107,9 @@ namespace NetMQExample
         public List<Source> Sources { get; } = new List<Source>();
 
         /// <summary>The random numbers of this episode, which Python's seed decides.</summary>
-        public Chance Chance { get; private set; } = new Chance(0);
+        public RandomGenerator RandomGenerator { get; private set; } = new RandomGenerator(0);
 
-        /// <summary>What Python gave to reset as options.</summary>
+        /// <summary>The options that Python gave to reset.</summary>
         public IReadOnlyDictionary<string, object> Options { get; private set; } = new Dictionary<string, object>();
 
         /// <summary>A source whose locator is read here, once.</summary>
@@ -122,17 +122,17 @@ namespace NetMQExample
 
         /// <summary>Adds to the reward that goes with the next answer.</summary>
         /// <exception cref="MessageException">It is not finite.</exception>
-        public void AddReward(double more) => Judge(nameof(AddReward), reward + Finite(more), terminated, truncated);
+        public void AddReward(double more) => Change(nameof(AddReward), reward + Finite(more), terminated, truncated);
 
         /// <summary>Replaces the reward that goes with the next answer.</summary>
         /// <exception cref="MessageException">It is not finite.</exception>
-        public void SetReward(double all) => Judge(nameof(SetReward), Finite(all), terminated, truncated);
+        public void SetReward(double all) => Change(nameof(SetReward), Finite(all), terminated, truncated);
 
         /// <summary>The episode is over for it: it has reached an end of the world.</summary>
-        public void Terminate() => Judge(nameof(Terminate), reward, true, truncated);
+        public void Terminate() => Change(nameof(Terminate), reward, true, truncated);
 
         /// <summary>The episode is over for it, for another reason, such as the time.</summary>
-        public void Truncate() => Judge(nameof(Truncate), reward, terminated, true);
+        public void Truncate() => Change(nameof(Truncate), reward, terminated, true);
 
         /// <summary>Tells Python something, with the next answer.</summary>
         /// <exception cref="MessageException">It has no place in a message.</exception>
@@ -147,9 +147,9 @@ namespace NetMQExample
         // The call that came between two steps, such as in an Update, which belongs to neither; or null.
         internal string Late { get; private set; }
 
-        internal void Begin(Chance chance, IReadOnlyDictionary<string, object> options)
+        internal void Begin(RandomGenerator random, IReadOnlyDictionary<string, object> options)
         {
-            Chance = chance;
+            RandomGenerator = random;
             Options = options;
             reward = 0;
             terminated = false;
@@ -162,7 +162,7 @@ namespace NetMQExample
         // rewards and ends of the one before are of the episode that is over.
         internal void GoOnFrom(AgentState before, bool begun)
         {
-            Chance = before.Chance;
+            RandomGenerator = before.RandomGenerator;
             Options = before.Options;
             infos.InsertRange(0, before.infos);
             if (begun) return;
@@ -172,7 +172,7 @@ namespace NetMQExample
             Late ??= before.Late;
         }
 
-        // What Python is told is told once.
+        // Python gets each info once.
         internal (double Reward, bool Terminated, bool Truncated) Take(Dictionary<string, object> info)
         {
             if (infos.Count > 0) info["agent"] = new List<object>(infos);
@@ -183,7 +183,7 @@ namespace NetMQExample
             return (taken, terminated, truncated);
         }
 
-        private void Judge(string what, double reward, bool terminated, bool truncated)
+        private void Change(string what, double reward, bool terminated, bool truncated)
         {
             (this.reward, this.terminated, this.truncated) = (reward, terminated, truncated);
             if (!Inside) Late = what;

@@ -42,7 +42,7 @@ namespace NetMQExample
             if (source == null) throw new MessageException("no-camera", "it has no camera");
             view ??= new CameraView(source, width, height, greyscale);
             // One for ever: an answer is sent before Python asks again.
-            return view.Look(picture ??= new byte[view.Size]);
+            return view.Observe(picture ??= new byte[view.Size]);
         }
 
         /// <inheritdoc/>

@@ -1,7 +1,7 @@
 // Lesson 11 in Unity, a view: what a camera sees now, as an array for Python, the highest row first.
 //
 //     using var view = new CameraView(camera, 84, 84, greyscale: true);
-//     MessageArray picture = view.Look();                      uint8 [84, 84]; in colour uint8 [84, 84, 3]
+//     MessageArray picture = view.Observe();                      uint8 [84, 84]; in colour uint8 [84, 84, 3]
 using System;
 using UnityEngine;
 using Object = UnityEngine.Object;
@@ -37,11 +37,11 @@ namespace NetMQExample
         /// <summary>How many bytes a picture has.</summary>
         public int Size { get; }
 
-        /// <summary>What it sees now.</summary>
+        /// <summary>The camera's picture of this moment.</summary>
         /// <param name="into">Where the picture is written, <see cref="Size"/> bytes; null: a new array, which no later
         /// look overwrites.</param>
         /// <exception cref="MessageException">The graphics card gave no picture.</exception>
-        public MessageArray Look(byte[] into = null)
+        public MessageArray Observe(byte[] into = null)
         {
             readback.Begin();
             readback.Wait();

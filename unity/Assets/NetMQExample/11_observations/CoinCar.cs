@@ -22,7 +22,7 @@ namespace NetMQExample
         private int steps;
 
         /// <summary>An agent of this name.</summary>
-        /// <param name="name">What Python calls it.</param>
+        /// <param name="name">Its name in Python.</param>
         public CoinCar(string name) => State = new AgentState(name, this);
 
         /// <inheritdoc/>
@@ -45,7 +45,7 @@ namespace NetMQExample
         {
             (x, y) = (Field / 2, Field / 2);
             Spots.Clear();
-            for (var i = 0; i < Coins; i++) Spots.Add((1 + 8 * State.Chance.Next(), 1 + 8 * State.Chance.Next()));
+            for (var i = 0; i < Coins; i++) Spots.Add((1 + 8 * State.RandomGenerator.Next(), 1 + 8 * State.RandomGenerator.Next()));
             push = new float[2];
             boost = 0;
             says = "";

@@ -23,7 +23,7 @@ namespace NetMQExample
         /// <summary>Whether Python steps the agents, or will: else they play by the clock.</summary>
         internal static bool Steps => Current != null && Current.isActiveAndEnabled;
 
-        /// <summary>What the environment itself says and hears, as GymEnv does. New after each enable, but not after a
+        /// <summary>The environment's own side, as of GymEnv. New after each enable, but not after a
         /// change of scenes.</summary>
         public SceneSimulator Simulator { get; private set; }
 

@@ -69,7 +69,7 @@ namespace NetMQExample
             return (Everyone ? "@@" : root ? "@" : "") + agents + destination + " = $" + source;
         }
 
-        /// <summary>What could continue a path that ends like this.</summary>
+        /// <summary>The characters that could continue a path with this end.</summary>
         internal static string After(string path) => path.EndsWith("[]", StringComparison.Ordinal) ? ""
             : path.EndsWith(")", StringComparison.Ordinal) ? "'(', " : "'.', '[', '(', ";
 

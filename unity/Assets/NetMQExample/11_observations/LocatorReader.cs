@@ -19,7 +19,7 @@ namespace NetMQExample
     /// <summary>Goes through a text from left to right, and spells each part as in the canonical text.</summary>
     internal sealed class LocatorReader
     {
-        // What .NET takes for blank, by name: other runtimes may have another list.
+        // These are .NET's blanks, by name: other runtimes may have another list.
         private const string Blanks = @"[\t-\r \x85\xa0\u1680\u2000-\u200a\u2028\u2029\u202f\u205f\u3000]*";
 
         // Those of Regex.Unescape. Half a character (U+D800 to U+DFFF) is no text, neither as it stands nor escaped.

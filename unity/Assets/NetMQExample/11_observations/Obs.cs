@@ -13,7 +13,7 @@ using System;
 
 namespace NetMQExample
 {
-    /// <summary>What it is sent as, its own value says: whole numbers and enums as a number of Discrete, text as Text,
+    /// <summary>Its own value says how it is sent: whole numbers and enums as a number of Discrete, text as Text,
     /// arrays of numbers as Box, dictionaries as Dict, anything else that has items as a list.</summary>
     [AttributeUsage(AttributeTargets.Field | AttributeTargets.Property)]
     public class ObsAttribute : Stripping.PreserveAttribute

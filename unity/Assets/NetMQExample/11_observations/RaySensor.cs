@@ -29,6 +29,6 @@ namespace NetMQExample
 
         /// <inheritdoc/>
         public override object GetObservation() => (view ??= new RayView(transform, raysPerDirection, maxRayDegrees,
-            rayLength, sphereCastRadius, rayLayerMask, detectableTags)).Look();
+            rayLength, sphereCastRadius, rayLayerMask, detectableTags)).Observe();
     }
 }

@@ -1,7 +1,7 @@
 // Lesson 11 in Unity, rays: what is where around a thing, as ML-Agents' ray sensor sees it.
 //
 //     var rays = new RayView(transform, 3, 70, 20, 0.5f, Physics.DefaultRaycastLayers, "wall", "coin");
-//     MessageArray seen = rays.Look();                 float32 [28]: 7 rays, each with two tags and two more numbers
+//     MessageArray seen = rays.Observe();                 float32 [28]: 7 rays, each with two tags and two more numbers
 //
 // Of each ray there is 1 at the tag of what it has met, else 0; then 1 if it has met nothing; then how far it came,
 // from 0 to 1. The first ray looks ahead, the next one to the right of it, then to the left, and so on outwards.
@@ -43,10 +43,10 @@ namespace NetMQExample
         public int Size { get; }
 
         /// <summary>The numbers of all rays now: float32.</summary>
-        public MessageArray Look()
+        public MessageArray Observe()
         {
             var seen = new float[Size];
-            Look(seen);
+            Observe(seen);
             var data = new byte[Size * sizeof(float)];
             Buffer.BlockCopy(seen, 0, data, 0, data.Length);
             return new MessageArray("float32", data, Size);
@@ -54,7 +54,7 @@ namespace NetMQExample
 
         /// <summary>The same, without garbage.</summary>
         /// <param name="into">At least <see cref="Size"/> numbers.</param>
-        public void Look(float[] into)
+        public void Observe(float[] into)
         {
             // Of what a script has moved since the last step of physics, rays know only then.
             Physics.SyncTransforms();

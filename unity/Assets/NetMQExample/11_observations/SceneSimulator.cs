@@ -194,23 +194,23 @@ namespace NetMQExample
         private void Reset(StepRequest request)
         {
             // Agents of one seed draw from the same numbers, one after the other.
-            var chances = new Dictionary<long, Chance>();
+            var generators = new Dictionary<long, RandomGenerator>();
             var waiting = Enumerable.Range(0, asked.Count).Where(i => request.OrderOf(i) == Order.Reset).ToList();
             foreach (var i in waiting)
-                if (!chances.ContainsKey(request.Seed(i))) chances[request.Seed(i)] = new Chance(request.Seed(i));
+                if (!generators.ContainsKey(request.Seed(i))) generators[request.Seed(i)] = new RandomGenerator(request.Seed(i));
             if (waiting.Count == asked.Count)
             {
                 infos.Clear();
                 // Also those whom Python does not ask: they move.
                 foreach (var agent in agents.Where(agent => !asked.Names.Contains(agent.State.Name)))
-                    agent.State.Begin(chances[request.Seed(0)], options);
+                    agent.State.Begin(generators[request.Seed(0)], options);
             }
             // An OnReset may bring back others, which then have their turn.
             for (var each = asked.Known(waiting, Exists); each.Count > 0; each = asked.Known(waiting, Exists))
             {
                 foreach (var (i, agent) in each)
                 {
-                    agent.State.Begin(chances[request.Seed(i)], options);
+                    agent.State.Begin(generators[request.Seed(i)], options);
                     waiting.Remove(i);
                 }
                 foreach (var (_, agent) in each) agent.OnReset();

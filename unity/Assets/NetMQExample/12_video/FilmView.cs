@@ -39,7 +39,7 @@ namespace NetMQExample
             this.channels = channels;
         }
 
-        /// <summary>What Python calls it.</summary>
+        /// <summary>Its name in Python.</summary>
         public string Name { get; }
 
         /// <summary>In pixels.</summary>

@@ -36,7 +36,7 @@ namespace NetMQExample
         public FilmView View { get; }
 
         /// <summary>Takes what has come, and a new picture if one is due. Call it in each LateUpdate.</summary>
-        public void Look()
+        public void Poll()
         {
             if (camera == null || (begun.Count == 0 && !View.Filming)) return;
             var before = camera.targetTexture;
@@ -51,7 +51,7 @@ namespace NetMQExample
                 begun.Enqueue(due);
             }
             if (begun.Count > 0) camera.targetTexture = texture;
-            while (begun.Count > 0 && readbacks[begun.Peek()].Look())
+            while (begun.Count > 0 && readbacks[begun.Peek()].Poll())
             {
                 var picture = begun.Dequeue();
                 View.Take(picture, readbacks[picture].Failed);

@@ -62,7 +62,7 @@ namespace NetMQExample
 
         private void LateUpdate()
         {
-            foreach (var one in filmed) one.Look();
+            foreach (var one in filmed) one.Poll();
         }
 
         private void OnDestroy()

@@ -15,8 +15,8 @@ namespace NetMQExample.SideChannels
         public static Func<float> Uniform(float low, float high, int seed)
         {
             Check(low, high);
-            var chance = new Chance(seed);
-            return () => (float)(low + (chance.Next() * ((double)high - low)));
+            var random = new RandomGenerator(seed);
+            return () => (float)(low + (random.Next() * ((double)high - low)));
         }
 
         /// <summary>The sum of twelve numbers from 0 to 1 is bell-shaped with deviation 1, and needs no logarithm:
@@ -24,11 +24,11 @@ namespace NetMQExample.SideChannels
         public static Func<float> Gaussian(float mean, float stDev, int seed)
         {
             Check(mean, stDev);
-            var chance = new Chance(seed);
+            var random = new RandomGenerator(seed);
             return () =>
             {
                 var total = -6.0;
-                for (var i = 0; i < 12; i++) total += chance.Next();
+                for (var i = 0; i < 12; i++) total += random.Next();
                 return (float)(mean + (stDev * total));
             };
         }
@@ -45,10 +45,10 @@ namespace NetMQExample.SideChannels
                 length += (double)bounds[i + 1] - bounds[i];
             }
             if (wrong) throw new UnityAgentsException("ranges are pairs of a lower and a higher number");
-            var chance = new Chance(seed);
+            var random = new RandomGenerator(seed);
             return () =>
             {
-                var at = chance.Next() * length;
+                var at = random.Next() * length;
                 var i = 0;
                 while (i < bounds.Count - 2 && at > (double)bounds[i + 1] - bounds[i])
                 {

@@ -57,7 +57,7 @@ namespace NetMQExample.SideChannels
 
         /// <summary>Sends an exchange, unless it is empty, and gives those that have come: a large one in parts, of
         /// which the next calls give the others.</summary>
-        /// <param name="data">What the channels have to say.</param>
+        /// <param name="data">The channels' messages.</param>
         /// <param name="wait">How long to wait for the first that comes.</param>
         /// <param name="stop">Ends the wait early.</param>
         /// <returns>Nothing, if none came.</returns>

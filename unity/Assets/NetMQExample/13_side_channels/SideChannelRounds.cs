@@ -28,7 +28,7 @@ namespace NetMQExample.SideChannels
 
         /// <summary>Registers its channels.</summary>
         /// <param name="count">How many rounds.</param>
-        /// <param name="trouble">What goes wrong: none, unknown, cut or throw.</param>
+        /// <param name="trouble">The trouble: none, unknown, cut or throw.</param>
         /// <param name="limit">How long a round may take.</param>
         /// <param name="log">Gets each line.</param>
         /// <exception cref="ArgumentException">There is no such trouble.</exception>

@@ -7,38 +7,24 @@
 namespace NetMQExample.SideChannels
 {
     /// <summary>Around a simulator, whose requests and answers then carry this program's side channels.</summary>
-    public sealed class SideChannelSimulator : SimulatorBase
+    public sealed class SideChannelSimulator : SimulatorDecorator
     {
-        private readonly SimulatorBase simulator;
-
         /// <summary>For a simulator, which from then on nobody else asks.</summary>
-        public SideChannelSimulator(SimulatorBase simulator) => this.simulator = Require.Given("simulator", simulator);
-
-        /// <inheritdoc/>
-        public override string Name => simulator.Name;
-
-        /// <inheritdoc/>
-        public override Message Describe() => simulator.Describe();
-
-        /// <inheritdoc/>
-        public override Message Say(Message request) => simulator.Say(request);
+        public SideChannelSimulator(SimulatorBase simulator) : base(simulator)
+        {
+        }
 
         /// <inheritdoc/>
         public override void Do(StepRequest request, StepAnswer answer)
         {
             if (request.HasExchange) SideChannelManager.Receive(new[] { request.Exchange.ToArray() });
-            simulator.Do(request, answer);
+            base.Do(request, answer);
         }
-
-        /// <inheritdoc/>
-        public override bool NeedsFrame() => simulator.NeedsFrame();
 
         /// <inheritdoc/>
         public override void See(StepRequest request, StepAnswer answer)
         {
-            simulator.See(request, answer);
-            Episodes = simulator.Episodes;
-            Steps = simulator.Steps;
+            base.See(request, answer);
             if (request.HasExchange) answer.Exchange = SideChannelManager.GetSideChannelMessage();
         }
     }

@@ -32,7 +32,7 @@ namespace NetMQExample
         private readonly int tries;
         private readonly Action<string> report;
         private int cancel;
-        // What was wrong with a message of this try.
+        // The fault of a message of this try.
         private string dropped;
 
         /// <summary>Connects, which succeeds even while no server is there: ZeroMQ goes on trying.</summary>

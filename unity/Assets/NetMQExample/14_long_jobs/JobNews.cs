@@ -64,7 +64,7 @@ namespace NetMQExample
         /// <summary>How far it goes.</summary>
         public long Total { get; }
 
-        /// <summary>What else there is to say.</summary>
+        /// <summary>More about it, in words.</summary>
         public string Text { get; } = "";
 
         /// <summary>Where it stands in the queue; 0 once it is begun.</summary>
@@ -85,7 +85,7 @@ namespace NetMQExample
         /// <summary>How much is done, from 0 to 1.</summary>
         public float Share => Math.Clamp((float)((double)Done / Math.Max(Total, 1)), 0, 1);
 
-        /// <summary>What to say at the end.</summary>
+        /// <summary>The line for the end.</summary>
         public string Outcome
         {
             get

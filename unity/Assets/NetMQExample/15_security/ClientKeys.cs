@@ -51,7 +51,7 @@ namespace NetMQExample
 
         private ClientKeys(NetMQCertificate server, NetMQCertificate own) => (this.server, this.own) = (server, own);
 
-        /// <summary>What the server knows this client by. Its owner may have it, and everybody else.</summary>
+        /// <summary>The key by which the server knows this client. Everybody may have it.</summary>
         public string PublicKey => own.PublicKeyZ85;
 
         /// <summary>Somebody whom the server does not know: a new pair, which is kept nowhere.</summary>

@@ -40,7 +40,7 @@ namespace NetMQExample
 
         /// <summary>Connects, which succeeds even while no server is there, or one that refuses.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5565</c>.</param>
-        /// <param name="keys">Who this is, and which server; null speaks plain, which such a server refuses.</param>
+        /// <param name="keys">This client's keys and the server's; null speaks plain, which the server refuses.</param>
         /// <param name="timeout">How long to wait for the reply to the first try, 1 s when left out. Each one waits
         /// twice as long as the one before, up to 8 times.</param>
         /// <param name="tries">How often to send a request before giving up.</param>

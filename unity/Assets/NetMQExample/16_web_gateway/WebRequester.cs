@@ -168,7 +168,7 @@ namespace NetMQExample
         }
 
         /// <summary>A new connection, a moment later.</summary>
-        /// <param name="why">What was wrong with this one.</param>
+        /// <param name="why">The reason why this one failed.</param>
         protected void Again(string why)
         {
             if (why.Contains("403")) throw Refused();

@@ -8,7 +8,7 @@ using Newtonsoft.Json.Linq;
 
 namespace NetMQExample
 {
-    /// <summary>What a stranger may have written.</summary>
+    /// <summary>Texts that a stranger may have written.</summary>
     public static class WebText
     {
         /// <summary>What is said of an answer that is none.</summary>

@@ -9,22 +9,15 @@ using System.Threading;
 namespace NetMQExample
 {
     /// <summary>Around a simulator, which a hub then knows.</summary>
-    public sealed class FleetSimulator : SimulatorBase
+    public sealed class FleetSimulator : SimulatorDecorator
     {
-        private readonly SimulatorBase simulator;
         private readonly string build;
 
         /// <summary>Wraps a simulator, which nobody else may ask from then on.</summary>
         /// <param name="simulator">Of one world: a Simulator, or a SceneSimulator with one agent.</param>
         /// <param name="build">The build that the hub must expect.</param>
-        public FleetSimulator(SimulatorBase simulator, string build)
-        {
-            this.simulator = Require.Given("simulator", simulator);
+        public FleetSimulator(SimulatorBase simulator, string build) : base(simulator) =>
             this.build = Require.Given("build", build);
-        }
-
-        /// <inheritdoc/>
-        public override string Name => simulator.Name;
 
         /// <summary>Trouble on command: called instead of one more step than <see cref="CrashAfter"/>, if that is not
         /// 0.</summary>
@@ -39,13 +32,10 @@ namespace NetMQExample
         /// <inheritdoc/>
         public override Message Describe()
         {
-            var hello = simulator.Describe();
+            var hello = base.Describe();
             hello.Values["build"] = build;
             return hello;
         }
-
-        /// <inheritdoc/>
-        public override Message Say(Message request) => simulator.Say(request);
 
         /// <inheritdoc/>
         public override void Do(StepRequest request, StepAnswer answer)
@@ -55,18 +45,7 @@ namespace NetMQExample
                 if (CrashAfter > 0 && Steps >= CrashAfter) Crash?.Invoke($"crash after {Steps} steps, as told");
                 Thread.Sleep(Delay);
             }
-            simulator.Do(request, answer);
-        }
-
-        /// <inheritdoc/>
-        public override bool NeedsFrame() => simulator.NeedsFrame();
-
-        /// <inheritdoc/>
-        public override void See(StepRequest request, StepAnswer answer)
-        {
-            simulator.See(request, answer);
-            Episodes = simulator.Episodes;
-            Steps = simulator.Steps;
+            base.Do(request, answer);
         }
     }
 }

@@ -23,7 +23,7 @@ namespace NetMQExample
 
         private OneEuroFilter filter;
         private volatile BodyPose newest;
-        private BodyPose told;
+        private BodyPose shown;
 
         /// <summary>With each pose that a frame finds, for scripts; without places while nobody is there.</summary>
         public event Action<BodyPose> Tracked { add => tracked.Raised += value; remove => tracked.Raised -= value; }
@@ -50,8 +50,8 @@ namespace NetMQExample
             var pose = newest;
             if (pose?.Places is double[] places)
                 (filter ??= new OneEuroFilter(places.Length)).Step(places, Time.deltaTime);
-            if (pose == told) return;
-            told = pose;
+            if (pose == shown) return;
+            shown = pose;
             tracked.Raise(pose);
         }
 

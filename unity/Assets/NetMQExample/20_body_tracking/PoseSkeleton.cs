@@ -21,8 +21,8 @@ namespace NetMQExample
         {
             tracker = GetComponent<BodyTracker>();
             var hand = tracker.IsHand;
-            var marks = new int[hand ? BodyPose.OfAHand : BodyPose.Landmarks];
-            joints = Array.ConvertAll(marks, i => Part(PrimitiveType.Sphere));
+            var landmarks = new int[hand ? BodyPose.OfAHand : BodyPose.Landmarks];
+            joints = Array.ConvertAll(landmarks, i => Part(PrimitiveType.Sphere));
             pairs = hand ? BodyLines.Hand : BodyLines.Body;
             lines = Array.ConvertAll(pairs, line => Part(PrimitiveType.Cube));
         }

@@ -22,9 +22,9 @@ namespace NetMQExample
         /// <summary>How many words that is.</summary>
         public int Words { get; private set; }
 
-        /// <summary>What to ask, so that the character begins to speak.</summary>
+        /// <summary>The payload of a job in which the character speaks.</summary>
         /// <param name="client">Of a job that is not begun.</param>
-        /// <param name="prompt">What to answer, in at most 1000 characters.</param>
+        /// <param name="prompt">The question, in at most 1000 characters.</param>
         /// <param name="most">How many words to listen to.</param>
         /// <exception cref="ArgumentException">The prompt is empty or too long.</exception>
         public static Message Ask(JobClient client, string prompt, int most) =>
@@ -36,7 +36,7 @@ namespace NetMQExample
         /// it.</summary>
         /// <param name="client">Of the job.</param>
         /// <param name="stop">Cancels the job.</param>
-        /// <returns>What ends the watching.</returns>
+        /// <returns>It ends the watching.</returns>
         public static CancellationToken LeaveAt(JobClient client, CancellationToken stop)
         {
             var moment = new CancellationTokenSource();
@@ -51,7 +51,7 @@ namespace NetMQExample
 
         /// <summary>Takes the newest state.</summary>
         /// <param name="news">Of the job.</param>
-        /// <returns>What to write behind what was written so far: a line for each sentence.</returns>
+        /// <returns>The text behind what was written so far: a line for each sentence.</returns>
         public string Hear(JobNews news)
         {
             newest = news;
@@ -79,7 +79,7 @@ namespace NetMQExample
             return lines.Take(lines.Length - 1).Select(line => line.Substring("she: ".Length)).ToList();
         }
 
-        /// <summary>What to say after the result.</summary>
+        /// <summary>The line after the result.</summary>
         /// <exception cref="GaveUpException">It was aborted.</exception>
         public string Outcome() => newest.Status switch
         {

@@ -16,7 +16,7 @@ namespace NetMQExample
         [SerializeField, Tooltip("The server")] private string endpoint = "tcp://127.0.0.1:5571";
         [SerializeField, Tooltip("What the player says")] private string prompt = "Who built this bridge?";
         [SerializeField, Min(1), Tooltip("How many words to listen to at most")] private int count = 200;
-        /// <summary>Who listens; the main camera until it is set.</summary>
+        /// <summary>The listener; the main camera until it is set.</summary>
         [Tooltip("Who listens; none: the main camera")] public Transform player;
         [SerializeField, Min(0), Tooltip("How near one must be to listen")] private float earshot = 15;
         [SerializeField, Min(0), Tooltip("Walk away when so many words were said; 0: never")] private int leaveAfter;

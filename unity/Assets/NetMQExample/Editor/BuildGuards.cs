@@ -1,4 +1,4 @@
-// What a build for a device is warned of, and what is added to it: the checklist of docs/guide/devices.md, as far as a
+// Warns of a build for a device, and adds to it: the checklist of docs/guide/devices.md, as far as a
 // program can go through it.
 using System;
 using System.ComponentModel;
@@ -92,7 +92,7 @@ namespace NetMQExample.Editor
         public string GenerateAdditionalLinkXmlFile(BuildReport report, UnityLinkerBuildPipelineData data)
         {
             var path = AssetDatabase.GUIDToAssetPath(Link);
-            // Whoever has deleted it has one of their own.
+            // A project without it has one of its own.
             return path.Length > 0 ? Path.GetFullPath(path) : null;
         }
 
@@ -111,7 +111,7 @@ namespace NetMQExample.Editor
             $"{client} in scene {scene} asks 127.0.0.1, which on a device is the device itself: write your computer's "
             + "address into Tools, NetMQ Example, Server address";
 
-        // What Apple's systems say when a game wants to talk to the network.
+        // Apple's systems say this when a game wants to talk to the network.
         private static string WithNetworkSentence(string plist) => plist.Contains($"<key>{Key}</key>")
             ? plist
             : new Regex("<dict>").Replace(plist, $"<dict>\n\t<key>{Key}</key>\n"

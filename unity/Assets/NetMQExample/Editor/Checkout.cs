@@ -71,10 +71,10 @@ namespace NetMQExample.Editor
             return bare;
         }
 
-        /// <summary>What installs a lesson's packages, to be run in a terminal.</summary>
+        /// <summary>The command that installs a lesson's packages, for a terminal.</summary>
         public string PipLine(string python, string key)
         {
-            // What all lessons need, and what is called like this one, as body for a webcam: extras of pyproject.toml.
+            // All lessons need kit, and this one the extra of its name, as body for a webcam: see pyproject.toml.
             var project = File.ReadAllText(Path.Combine(Root, "pyproject.toml"));
             var own = key.Split('_').Where(word => Regex.IsMatch(project, $"^{word} = \\[", RegexOptions.Multiline));
             var extras = string.Join(",", new[] { "camera", "envs", "web" }.Union(own));

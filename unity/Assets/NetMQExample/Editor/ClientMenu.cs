@@ -4,7 +4,6 @@ using UnityEngine;
 
 namespace NetMQExample.Editor
 {
-    /// <summary>What the menus make.</summary>
     internal static class ClientMenu
     {
         // BackgroundClient.prefab, wherever the package lies.

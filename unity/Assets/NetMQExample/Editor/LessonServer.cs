@@ -16,8 +16,8 @@ namespace NetMQExample.Editor
         private const int ShownBytes = 8000;
         private static readonly TimeSpan Timeout = TimeSpan.FromSeconds(2);
 
-        // What a shell does with > on every system, in the same process: the one whose number is known. A program with
-        // windows has no output to hand on in Windows, and then Python none that it could print to.
+        // Redirects the output as a shell's > does on every system, in the same process: the one whose number is known.
+        // A program with windows has no output to hand on in Windows, and then Python none that it could print to.
         private const string Redirect = "import os, runpy, sys; "
             + "out = open(sys.argv[1], 'ab'); os.dup2(out.fileno(), 1); os.dup2(out.fileno(), 2); "
             + "sys.stdout, sys.stderr = (open(n, 'w', 1, 'utf-8', 'replace') for n in (1, 2)); "

@@ -9,7 +9,7 @@ using NetMQ;
 
 namespace NetMQExample.Editor
 {
-    /// <summary>What was sent and received since <see cref="Begin"/>.</summary>
+    /// <summary>The messages that were sent and received since <see cref="Begin"/>.</summary>
     internal sealed class TrafficLog
     {
         private const int MostLines = 1000;
@@ -17,7 +17,7 @@ namespace NetMQExample.Editor
 
         private readonly Queue<string> lines = new Queue<string>();
 
-        /// <summary>What comes meanwhile is not kept.</summary>
+        /// <summary>While it is true, no message is kept.</summary>
         public bool Paused { get; set; }
 
         public void Begin() => NetMQConnection.Seen += Add;

@@ -1,4 +1,4 @@
-// What a component tells the rest of the game: by the inspector, without a script, and by a C# event.
+// A component tells the rest of the game by the inspector, without a script, and by a C# event.
 //
 //     [SerializeField, Tooltip("With each reply")] private Arrival<string> replied = new();
 //     public event Action<string> Replied { add => replied.Raised += value; remove => replied.Raised -= value; }

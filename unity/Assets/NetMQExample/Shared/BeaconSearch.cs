@@ -4,7 +4,7 @@
 //     beacon://lab:5553        in an Endpoint field, for a server with --beacon lab
 //
 // It asks this machine and, by broadcast, each of its networks; then also each of the 254 addresses around one's own,
-// since iOS sends no broadcast without an entitlement of Apple's. What answers comes to this device alone, so Android
+// since iOS sends no broadcast without an entitlement of Apple's. An answer comes to this device alone, so Android
 // needs no multicast lock.
 using System;
 using System.Collections.Generic;
@@ -29,7 +29,7 @@ namespace NetMQExample
         private readonly string name, answer;
         private readonly byte[] question;
         private readonly int port;
-        // Who is still to be asked, and who was.
+        // The hosts that were asked, and those that are still to be.
         private readonly HashSet<string> reached = new HashSet<string>();
         private List<string> unasked = new List<string>();
         private string[] broadcasts = new string[0];
@@ -53,7 +53,7 @@ namespace NetMQExample
 
         /// <summary>Asks now and then, and takes an answer that is there: call it again and again.</summary>
         /// <returns>Such as tcp://192.168.0.7:5553, or null: there is none yet.</returns>
-        public string Look()
+        public string Poll()
         {
             if (ear == null || asked.Elapsed >= Round) BeginQuestion();
             Ask();
@@ -75,8 +75,8 @@ namespace NetMQExample
         /// <summary>Whether it has asked, and nobody has answered.</summary>
         public bool Unanswered => vain > 0;
 
-        /// <summary>What to look at where nothing came: the network, as long as nobody has answered.</summary>
-        /// <param name="otherwise">What to look at else.</param>
+        /// <summary>The cure where nothing came: the network, as long as nobody has answered.</summary>
+        /// <param name="otherwise">The cure in any other case.</param>
         /// <returns>A question.</returns>
         public string Cure(string otherwise)
         {

@@ -1,4 +1,4 @@
-// What a client is doing, as a text in the scene: a headset shows nothing that is drawn on the screen.
+// Shows a client's state as a text in the scene: a headset shows nothing that is drawn on the screen.
 //
 // Use: Component, Mesh, Text Mesh (Character Size 0.01, Font Size 80), this component, and in its field the client. It
 // follows the camera; with Distance 0 it stays where you put it.

@@ -18,7 +18,7 @@ namespace NetMQExample
         /// <summary>Why it has given up, with what to do; or an empty text.</summary>
         public string LastError { get; private set; } = "";
 
-        /// <summary>What it is doing, in a few words, for an inspector or a display.</summary>
+        /// <summary>Its state in a few words, for an inspector or a display.</summary>
         public virtual string State =>
             LastError.Length > 0 ? "gave up" : !isActiveAndEnabled ? "disconnected" : Done ? "done" : "connected";
 
@@ -29,7 +29,7 @@ namespace NetMQExample
         /// <summary>Closes the sockets. It may wait for that, as NetworkThread.Join does.</summary>
         protected abstract void End();
 
-        /// <summary>What the inspector has as seconds.</summary>
+        /// <summary>The inspector's seconds as a time.</summary>
         /// <param name="timeout">More than 0, and a day at the most.</param>
         /// <returns>The same.</returns>
         protected static TimeSpan Seconds(float timeout) => timeout > 0 && timeout <= 86400

@@ -19,7 +19,7 @@ namespace NetMQExample
         /// <summary>Makes a cube.</summary>
         /// <param name="size">In metres.</param>
         /// <param name="colour">Of all sides; none: white.</param>
-        /// <param name="parent">What it goes along with.</param>
+        /// <param name="parent">The object that it moves with.</param>
         public static Transform Make(Vector3 size, Color32? colour = null, Transform parent = null)
         {
             var cube = Shape(PrimitiveType.Cube, colour, parent);
@@ -30,7 +30,7 @@ namespace NetMQExample
         /// <summary>Makes any of Unity's shapes.</summary>
         /// <param name="type">Which.</param>
         /// <param name="colour">Of all sides; none: white.</param>
-        /// <param name="parent">What it goes along with.</param>
+        /// <param name="parent">The object that it moves with.</param>
         public static Transform Shape(PrimitiveType type, Color32? colour = null, Transform parent = null)
         {
             var shape = GameObject.CreatePrimitive(type).transform;

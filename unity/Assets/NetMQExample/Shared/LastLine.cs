@@ -1,4 +1,4 @@
-// What the lessons log, in the scene itself: where a headset or a phone has no console, and so that a scene shows
+// Shows the lessons' log in the scene itself: where a headset or a phone has no console, and so that a scene shows
 // something.
 //
 // Use: it is on the 3D text of each lesson's scene. For one of your own: Component, Mesh, Text Mesh, and this

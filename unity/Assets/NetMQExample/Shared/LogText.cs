@@ -1,4 +1,4 @@
-// What to write into a log: what a peer has sent, and why something has ended.
+// Texts for a log: a peer's message, and the reason of an end.
 using System;
 using System.Globalization;
 using System.IO;
@@ -9,7 +9,7 @@ namespace NetMQExample
     /// <summary>Texts for a log.</summary>
     public static class LogText
     {
-        /// <summary>What to show of an exception on the network thread. Those of this kit name cause and cure in one
+        /// <summary>The text of an exception on the network thread. Those of this kit name cause and cure in one
         /// line; of all others the type and the stack are needed too, above all in a build on a device.</summary>
         /// <param name="e">The exception.</param>
         /// <returns>Its message, or everything that is known of it.</returns>
@@ -17,7 +17,7 @@ namespace NetMQExample
             e is TimeoutException || e is ArgumentException || e is IOException || e is OperationCanceledException
                 ? e.Message : e.ToString();
 
-        /// <summary>What a peer sent, fit for one line: no control characters, cut to a readable length.</summary>
+        /// <summary>Makes a peer's text fit for one line: no control characters, cut to a readable length.</summary>
         /// <param name="text">Whatever came.</param>
         /// <param name="most">How many characters are a readable length.</param>
         /// <returns>At most so many characters and an ellipsis; a question mark for each one that cannot be
@@ -28,7 +28,7 @@ namespace NetMQExample
             for (int at = 0, length = 0; text != null && at < text.Length; length++)
             {
                 if (length == most) return line.Append('…').ToString();
-                // What lies beyond the first 65,536 characters, such as an emoji, takes two chars.
+                // A character beyond the first 65,536, such as an emoji, takes two chars.
                 var width = char.IsSurrogatePair(text, at) ? 2 : 1;
                 var kind = CharUnicodeInfo.GetUnicodeCategory(text, at);
                 // Spaces, separators, controls, formats, halves of a pair and private use stand together in the enum.

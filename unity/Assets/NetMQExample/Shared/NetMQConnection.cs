@@ -36,7 +36,7 @@ namespace NetMQExample
         private NetMQSocket socket;
         private Task<IPAddress[]> lookUp;
         private volatile bool disposed;
-        // What the socket is connected to, or null.
+        // The address that the socket is connected to, or null.
         private string where;
 
         /// <summary>Connects, which succeeds even while no server is there: ZeroMQ goes on trying.</summary>
@@ -78,7 +78,7 @@ namespace NetMQExample
         /// <param name="tries">How many were in vain.</param>
         public static TimeSpan Longer(TimeSpan first, int tries) => first * (1 << Math.Min(tries, 3));
 
-        /// <summary>What every socket of this kit gets before it connects, such as lesson 15's keys:
+        /// <summary>Sets up every socket of this kit before it connects, such as with lesson 15's keys:
         /// <c>NetMQConnection.Prepare = new ClientKeys("keys").Apply</c>, before the first client.</summary>
         public static Action<NetMQSocket> Prepare { get; set; }
 
@@ -109,7 +109,7 @@ namespace NetMQExample
             // What is under way is dropped when the socket is closed; waiting for its delivery could take for ever.
             socket.Options.Linger = TimeSpan.Zero;
             socket.Options.MaxMsgSize = maxBytes;
-            // What waits to be read: 64 MB, or two messages. NetMQ itself counts only messages, up to 1000.
+            // At most 64 MB, or two messages, wait to be read. NetMQ itself counts only messages, up to 1000.
             if (maxBytes > 65536) socket.Options.ReceiveHighWatermark = (int)Math.Max(2, (64 << 20) / maxBytes);
             Prepare?.Invoke(socket);
             Reach(socket, endpoint);
@@ -132,10 +132,10 @@ namespace NetMQExample
             catch (Exception) { /* Somebody called NetMQConfig.Cleanup, and the socket went with it. */ }
         }
 
-        /// <summary>What to throw when nothing came, or there was nowhere to send to.</summary>
+        /// <summary>Makes the exception for when nothing came, or there was nowhere to send to.</summary>
         /// <param name="endpoint">The server.</param>
         /// <param name="timeout">How long it was waited for.</param>
-        /// <param name="cure">What to look at.</param>
+        /// <param name="cure">The cure, as a question.</param>
         /// <returns>Cause and cure, in one line.</returns>
         public static TimeoutException NoReply(string endpoint, TimeSpan timeout,
             string cure = "is the server running, or its reply over 64 KB?") => new TimeoutException(
@@ -145,15 +145,15 @@ namespace NetMQExample
         public TimeoutException NoReply(TimeSpan timeout) =>
             NoReply(endpoint, timeout, Cure($"is the server running, or its reply over {maxBytes >> 10} KB?"));
 
-        /// <summary>What to look at where nothing came: the network, as long as a beacon has not answered.</summary>
-        /// <param name="otherwise">What to look at else.</param>
+        /// <summary>The cure where nothing came: the network, as long as a beacon has not answered.</summary>
+        /// <param name="otherwise">The cure in any other case.</param>
         /// <returns>A question.</returns>
         public string Cure(string otherwise) => search?.Cure(otherwise) ?? otherwise;
 
         /// <summary>How often it was tried, in words.</summary>
         public static string Tries(int tries) => tries == 1 ? "1 try" : $"{tries} tries";
 
-        /// <summary>What to throw after Dispose.</summary>
+        /// <summary>Makes the exception for calls after Dispose.</summary>
         /// <param name="endpoint">The server.</param>
         /// <returns>Cause and cure, in one line.</returns>
         public static ObjectDisposedException Disposed(string endpoint) =>
@@ -162,7 +162,7 @@ namespace NetMQExample
         /// <summary>The time to wait, cut into slices; between two of them <paramref name="stop"/> is heard.</summary>
         /// <param name="timeout">How long to wait; zero gives one slice, of zero.</param>
         /// <param name="stop">Ends the wait early.</param>
-        /// <returns>What to give to a method of NetMQ's that takes a timeout, until it succeeds.</returns>
+        /// <returns>Timeouts to give to a method of NetMQ's until it succeeds.</returns>
         /// <exception cref="ArgumentException">The timeout is negative.</exception>
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
         public static IEnumerable<TimeSpan> Slices(TimeSpan timeout, CancellationToken stop)
@@ -247,7 +247,7 @@ namespace NetMQExample
         {
             if (search != null)
             {
-                var now = search.Look();
+                var now = search.Poll();
                 if (now != null && now != where) Close();
                 return now != null;
             }
@@ -278,7 +278,7 @@ namespace NetMQExample
         {
             socket ??= make();
             if (where != null) return socket;
-            where = search == null ? endpoint : search.Look();
+            where = search == null ? endpoint : search.Poll();
             if (where != null) Connect(socket, where, maxBytes);
             return socket;
         }

@@ -1,4 +1,4 @@
-// What every NetMQ client in a process shares: one owner of NetMQ's process-wide state.
+// All NetMQ clients of a process share one owner of NetMQ's process-wide state.
 //
 // NetMQ keeps one set of background threads per process. NetMQConfig.Cleanup() ends it, and with it every other
 // client that is still talking; calling it never leaves two threads behind at each Play in Unity. So the users are
@@ -34,8 +34,8 @@ namespace NetMQExample
         }
 
         // An assembly reload aborts the threads of its domain. NetMQ's leave sockets open when that hits them at work,
-        // and now and then Mono itself ends. What Stop's 200 ms were too short for is waited for here; most often that
-        // is nothing. On a machine that is too busy for anything else, more than five seconds were seen.
+        // and now and then Mono itself ends. Those that needed more than Stop's 200 ms are waited for here; most often
+        // there are none. On a machine that is too busy for anything else, more than five seconds were seen.
         private static void Unload(object domain, EventArgs nothing)
         {
             lock (Gate)

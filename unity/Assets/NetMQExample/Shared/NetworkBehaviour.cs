@@ -1,4 +1,4 @@
-// What the lessons' components share: each has a network thread, and a queue from there to Update. A lesson overrides
+// The lessons' components share this: each has a network thread, and a queue from there to Update. A lesson overrides
 // Talk, which runs on that thread, so that no frame waits for the network; only what it hands to Update may touch the
 // scene.
 //
@@ -19,10 +19,10 @@ namespace NetMQExample
     /// <summary>A component that talks to the network on a thread of its own while it is enabled.</summary>
     public abstract class NetworkBehaviour : ConnectedBehaviour
     {
-        // How much may wait for Update. Whoever has more waits on its own thread, so that a fast server can fill
+        // How much may wait for Update. A thread that has more waits, so that a fast server can fill
         // neither a frame nor the memory, also while the editor is paused and no Update comes.
         private const int MostQueued = 50;
-        // What Update spends in a frame. One action is always done, however long it takes.
+        // Update spends at most 2 ms in a frame. One action is always done, however long it takes.
         private static readonly long BudgetTicks = Stopwatch.Frequency / 500;
         // For the main thread only. It outlives a Play where Unity keeps statics, and holds only what has not ended.
         private static readonly List<Run> Runs = new List<Run>();
@@ -34,14 +34,14 @@ namespace NetMQExample
         /// <inheritdoc/>
         public override bool Done => run != null && !run.Thread.IsAlive && run.ForUpdate.Count == 0;
 
-        /// <summary>Whether something is still to be done in Update, such as to log a line. Who disables the component
-        /// before drops it.</summary>
+        /// <summary>Whether something is still to be done in Update, such as to log a line. Disabling the component
+        /// drops it.</summary>
         protected bool Waiting => run != null && run.ForUpdate.Count > 0;
 
         /// <summary>Whether it has no thread, or one that was told to end.</summary>
         protected bool Ending => run == null || run.Stop.IsCancellationRequested;
 
-        /// <summary>The lesson, on the network thread. What it throws is logged as the reason for giving up.</summary>
+        /// <summary>The lesson, on the network thread. An exception is logged as the reason for giving up.</summary>
         /// <param name="stop">Cancelled when the component is disabled. Look at least every 50 ms.</param>
         protected abstract void Talk(CancellationToken stop);
 
@@ -57,7 +57,7 @@ namespace NetMQExample
 
         /// <summary>Has something done in Update, and waits while much else is to be done there. For any thread; on
         /// Unity's own it is done at once.</summary>
-        /// <param name="action">What may touch the scene; after Stop it is dropped.</param>
+        /// <param name="action">It may touch the scene; after Stop it is dropped.</param>
         protected void InUpdate(Action action)
         {
             // A timer or a task belongs to no run: it means the one that there is now.
@@ -78,9 +78,9 @@ namespace NetMQExample
         }
 
         /// <summary>Has something made in Update, and waits for it. For the network thread.</summary>
-        /// <param name="make">What may touch the scene.</param>
-        /// <typeparam name="T">What it makes.</typeparam>
-        /// <returns>What was made.</returns>
+        /// <param name="make">It may touch the scene.</param>
+        /// <typeparam name="T">The type of the result.</typeparam>
+        /// <returns>The result.</returns>
         protected T FromUpdate<T>(Func<T> make)
         {
             var task = new Task<T>(make);
@@ -92,8 +92,8 @@ namespace NetMQExample
 
         /// <summary>Receives, for the network thread. An outage ends nothing: it is logged once, until something comes.
         /// </summary>
-        /// <param name="receive">What throws a TimeoutException if nothing comes.</param>
-        /// <param name="received">What came.</param>
+        /// <param name="receive">It throws a TimeoutException if nothing comes.</param>
+        /// <param name="received">The message.</param>
         /// <typeparam name="T">Its type.</typeparam>
         /// <returns>False if nothing came.</returns>
         protected bool TryReceive<T>(Func<T> receive, out T received)
@@ -116,7 +116,7 @@ namespace NetMQExample
         /// <summary>Starts the thread.</summary>
         protected override void Begin()
         {
-            // Whoever was destroyed just now hears of no OnApplicationQuit, and its thread may still be ending.
+            // A component that was destroyed just now gets no OnApplicationQuit, and its thread may still be ending.
             Application.quitting -= EndAll;
             Application.quitting += EndAll;
 #if UNITY_EDITOR
@@ -199,13 +199,13 @@ namespace NetMQExample
             Runs.RemoveAll(one => !one.Thread.IsAlive);
         }
 
-        /// <summary>One run of the thread. What a run before it has left behind is never mixed with it.</summary>
+        /// <summary>One run of the thread. It never mixes with anything that a run before it has left behind.</summary>
         private sealed class Run
         {
             public readonly BlockingCollection<Action> ForUpdate = new BlockingCollection<Action>(MostQueued);
             public readonly CancellationTokenSource Stop = new CancellationTokenSource();
             public readonly Thread Thread, UnityThread = Thread.CurrentThread;
-            // Whose thread it is: a change of scenes may give it to another one. For the main thread.
+            // The component that owns the thread: a change of scenes may give it to another one. For the main thread.
             public NetworkBehaviour Behaviour;
 
             public Run(NetworkBehaviour behaviour)

@@ -15,7 +15,7 @@ namespace NetMQExample
             : throw new ArgumentException(FormattableString.Invariant(
                 $"{name} must be more than 0 s and at most a day, not {value.TotalSeconds}"));
 
-        /// <summary>What cannot be left out.</summary>
+        /// <summary>A value that cannot be left out.</summary>
         public static T Given<T>(string name, T value) where T : class => value
             // As the message alone: with the name as a parameter, Mono writes two lines.
             ?? throw new ArgumentNullException(null, $"{name} must not be null");

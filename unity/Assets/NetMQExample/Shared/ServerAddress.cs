@@ -55,7 +55,7 @@ namespace NetMQExample
             if (at < 0) at = At("endpoint");
             if (at >= 0 && words[at].Contains("=")) return words[at].Split('=')[1];
             if (at >= 0) return words.ElementAtOrDefault(at + 1) ?? "";
-            // Whoever has written another machine into a field meant it.
+            // Another machine in a field is meant.
             if (host.Length == 0) return own;
             var place = host.StartsWith("beacon://", StringComparison.Ordinal) ? host : $"tcp://{host}";
             return Regex.Replace(own, @"^tcp://(127\.0\.0\.1|localhost)(?=:)", place);

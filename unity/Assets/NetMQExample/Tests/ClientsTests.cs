@@ -21,7 +21,7 @@ namespace NetMQExample.Tests
         private static readonly Type[] Clients = typeof(ConnectedBehaviour).Assembly.GetTypes()
             .Where(type => typeof(ConnectedBehaviour).IsAssignableFrom(type) && !type.IsAbstract).ToArray();
 
-        // What a server of a few words can answer.
+        // A server of a few words can answer these.
         private static readonly Talk[] Talks =
         {
             new Talk(typeof(HelloClient), request => Frames("World"), "^1: sent Hello, received World$"),
@@ -96,7 +96,7 @@ namespace NetMQExample.Tests
             replied.AddEventHandler(client, (Action<string>)heard.Add);
             Action<string> listen = _ => Thread.Sleep(5 * slow);
             replied.AddEventHandler(client, listen);
-            // Who has heard enough hears no more, also of what waits for the same frame.
+            // A client that is disabled in an event gets no more of them, also none that wait for the same frame.
             Action<string> enough = _ => client.enabled = heard.Count(one => one == "World") < 2;
             replied.AddEventHandler(client, enough);
             yield return Scene.Until(() => !client.enabled, "the second reply");

@@ -1,4 +1,4 @@
-// What the tests' clients talk to: a server on a thread of the same process, so that they need no Python.
+// The tests' clients talk to a server on a thread of the same process, so that they need no Python.
 using System;
 using System.Linq;
 using System.Threading;
@@ -40,7 +40,7 @@ namespace NetMQExample.Tests
             });
 
         /// <summary>A PUB that never ends.</summary>
-        /// <param name="text">What it says, by a number that counts from 1.</param>
+        /// <param name="text">The text of each message, by a number that counts from 1.</param>
         public static InProcessServer Publishing(Func<int, string> text)
         {
             var number = 0;

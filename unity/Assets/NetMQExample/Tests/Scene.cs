@@ -1,4 +1,4 @@
-// What the tests of every client share: put it on an object, wait for it, and see what is left of it.
+// The tests of every client put it on an object, wait for it, and see what is left of it.
 using System;
 using System.Collections;
 using System.Diagnostics;
@@ -18,7 +18,7 @@ namespace NetMQExample.Tests
         /// <param name="client">The component.</param>
         /// <param name="beside">One that it needs, or null.</param>
         /// <param name="endpoint">Its server.</param>
-        /// <param name="fields">What else is set, if it has such a field.</param>
+        /// <param name="fields">Other fields to set, if it has them.</param>
         public static MonoBehaviour Play(
             Type client, Type beside, string endpoint, params (string Name, object Value)[] fields)
         {

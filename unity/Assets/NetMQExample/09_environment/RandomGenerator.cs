@@ -2,12 +2,12 @@
 namespace NetMQExample
 {
     /// <summary>SplitMix64 (Steele, Lea and Flood, 2014).</summary>
-    public sealed class Chance
+    public sealed class RandomGenerator
     {
         private ulong seed;
 
         /// <summary>The same seed gives the same numbers.</summary>
-        public Chance(long seed) => this.seed = (ulong)seed;
+        public RandomGenerator(long seed) => this.seed = (ulong)seed;
 
         /// <summary>The next number, from 0 to 1.</summary>
         public double Next()
