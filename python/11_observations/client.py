@@ -12,9 +12,8 @@ from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 from netmq_example.asking import client_options
-from netmq_example.console import show
 from netmq_example.extras import importing
-from netmq_example.program import run, whole
+from netmq_example.program import run, show, whole
 
 with importing("gymnasium; kit.py run 11 installs it", stopped="stopped"):
     from netmq_example.simulation.scene import SceneSimulator

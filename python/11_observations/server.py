@@ -16,9 +16,8 @@ sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
 from netmq_example.beacon import server_options
-from netmq_example.console import show
 from netmq_example.extras import importing
-from netmq_example.program import listening, run
+from netmq_example.program import listening, run, show
 from netmq_example.trouble import Trouble
 
 with importing("gymnasium; kit.py run 11 installs it"):

@@ -17,8 +17,7 @@ import zmq
 
 from netmq_example.asking import client_endpoint
 from netmq_example.beacon import server_options
-from netmq_example.console import show
-from netmq_example.program import Context, Socket, limit, listening, more_files, run
+from netmq_example.program import Context, Socket, limit, listening, more_files, run, show
 from netmq_example.security.allow_list import AllowList, keys_for
 from netmq_example.trouble import Trouble
 

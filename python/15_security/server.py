@@ -20,8 +20,7 @@ sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
 from netmq_example.beacon import server_options
-from netmq_example.console import show
-from netmq_example.program import Context, Socket, listening, receive_frames, reply_to, run, text_of
+from netmq_example.program import Context, Socket, listening, receive_frames, reply_to, run, show, text_of
 from netmq_example.security.allow_list import AllowList, keys_for
 
 REFUSED = b"error: your key is not on the list, or not any more"

@@ -57,3 +57,10 @@ class Refused(Coded):
 
 class MessageError(Coded, ValueError):
     """Bytes or a Message that break the standard: a `code`, a `text`, and the message's `id` where it has one."""
+
+
+class Misfit(KeyError):
+    """A request or a reply is not what was agreed: one line for both sides, and no traceback."""
+
+    # A KeyError's own shows its argument between quotation marks.
+    __str__ = Exception.__str__

@@ -71,7 +71,8 @@ if not TYPE_CHECKING:
         "messages": "Array Message message_reply",
         "pose_stream": "Pose PosePublisher PoseSubscriber",
         "publisher": "Publisher",
-        "replies": "json_answer reply_to",
+        "program": "reply_to",
+        "replies": "json_answer",
         "server": "Server serve",
         "topic_listener": "TopicListener",
     }

@@ -27,7 +27,9 @@ from typing import Any, TypeVar
 import zmq
 
 from netmq_example import check, console
-from netmq_example.errors import Error, ListenError, MessageError
+from netmq_example.console import printable as printable
+from netmq_example.console import show as show
+from netmq_example.errors import Error, ListenError, MessageError, Misfit
 
 Context = zmq.Context[zmq.Socket[bytes]]
 Socket = zmq.Socket[bytes]
@@ -236,13 +238,6 @@ def sendable(text: str) -> bytes:
         return encoded(text, "strict")
     except ValueError as error:
         raise Misfit(f"answer returned what cannot be sent: {error}") from None
-
-
-class Misfit(KeyError):
-    """A request or a reply is not what was agreed: one line for both sides, and no traceback."""
-
-    # A KeyError's own shows its argument between quotation marks.
-    __str__ = Exception.__str__
 
 
 def more_files() -> int:

@@ -13,8 +13,8 @@ from collections.abc import Callable
 from typing import Any
 
 from netmq_example.console import printable
+from netmq_example.errors import Misfit
 from netmq_example.json_text import shallow
-from netmq_example.program import Misfit
 
 
 def id_and_text(frames: list[bytes]) -> tuple[list[bytes], bytes, bytes]:

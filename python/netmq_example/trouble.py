@@ -13,7 +13,7 @@ import traceback
 from collections.abc import Callable
 
 from netmq_example.console import printable
-from netmq_example.program import Misfit
+from netmq_example.errors import Misfit
 
 PAUSE_SECONDS = 1.0
 log = logging.getLogger("netmq_example.server")
