@@ -4,7 +4,7 @@
     python python/09_environment/client.py --world Car    lesson 08's car on its road
     python python/09_environment/client.py --count 3      leave after so many episodes: the environment has lost it
 
-Bytes: records, see netmq_example/records.py and spaces.py.
+Bytes: records, see netmq_example/wire/records.py and spaces.py.
 """
 
 import sys
@@ -16,7 +16,7 @@ from netmq_example.extras import importing
 from netmq_example.program import run, show, whole
 
 with importing("gymnasium; pip install gymnasium, or let kit.py run 9 do it", stopped="stopped"):
-    from netmq_example.simulation.simulator import EnvironmentClient, Simulator
+    from netmq_example.scene.simulator import EnvironmentClient, Simulator
     from netmq_example.worlds.cart_pole import CartPole
     from netmq_example.worlds.road_car import RoadCar
 

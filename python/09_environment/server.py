@@ -5,7 +5,7 @@
     python python/09_environment/server.py --world Car    and a client with --world Car
 
 Plays ten episodes with each simulator that comes, and prints a line for each.
-Bytes: records, see netmq_example/records.py and spaces.py.
+Bytes: records, see netmq_example/wire/records.py and spaces.py.
 Trouble: stop the simulator in an episode; start a second one meanwhile.
 """
 

@@ -7,7 +7,7 @@
 
 Plays ten games of hunters and rabbits with each simulator that comes, and prints a line for each; or 1000 steps of all
 areas.
-Bytes: records, see records.py, simulation/agents.py and simulation/areas.py. Trouble: stop the simulator in
+Bytes: records, see records.py, scene/agents.py and scene/areas.py. Trouble: stop the simulator in
 a game, which takes seconds with --real-time; start it with another number of areas.
 """
 

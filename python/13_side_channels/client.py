@@ -17,8 +17,8 @@ import zmq
 from rounds import TROUBLES, Rounds
 
 from netmq_example.asking import client_options
+from netmq_example.mlagents_envs.carrier import ClientCarrier
 from netmq_example.program import run, show, whole
-from netmq_example.side_channel.carrier import ClientCarrier
 
 
 def main() -> None:

@@ -6,7 +6,7 @@
     python python/17_many_machines/client.py --crash-after 200        trouble: it ends in the middle of an episode
     python python/17_many_machines/client.py --delay 8                trouble: so many seconds for each step
 
-Bytes: those of lesson 09, see netmq_example/simulation/simulator.py.
+Bytes: those of lesson 09, see netmq_example/scene/simulator.py.
 """
 
 import os
@@ -22,8 +22,8 @@ from netmq_example.security.requester import client_keys
 
 with importing("gymnasium; kit.py run 17 installs it", stopped="stopped"):
     from netmq_example.fleet.simulator import FleetSimulator
-    from netmq_example.records import STEP, Record
-    from netmq_example.simulation.simulator import EnvironmentClient, Simulator
+    from netmq_example.scene.simulator import EnvironmentClient, Simulator
+    from netmq_example.wire.records import STEP, Record
     from netmq_example.worlds.cart_pole import CartPole
 
 

@@ -29,7 +29,7 @@ with importing("gymnasium and ray; pip install gymnasium ray", stopped="stopped"
     import gymnasium
     import ray
 
-    from netmq_example.cross_entropy import STEPS, Episode, play, train
+    from netmq_example.worlds.cross_entropy import STEPS, Episode, play, train
 
 LESSONS = Path(__file__).resolve().parents[1]
 WORLD = "netmq_example.envs:NetMQExample/CartPole-v0"

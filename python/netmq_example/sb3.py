@@ -36,7 +36,7 @@ try:
 except ImportError as error:
     raise without(error) from None
 
-from netmq_example.space_bytes import together
+from netmq_example.wire.space_bytes import together
 
 __all__ = ["Areas", "PlainSpaces"]
 

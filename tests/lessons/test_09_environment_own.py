@@ -25,15 +25,15 @@ np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: kit.py run 9 in
 
 KEY = "09_environment"
 LESSON = ROOT / "python" / KEY
-from netmq_example import trees  # noqa: E402
-from netmq_example.cross_entropy import play, train  # noqa: E402
 from netmq_example.envs import ZmqEnv  # noqa: E402
 from netmq_example.envs.connection import Connection, Simulators, name_of  # noqa: E402
 from netmq_example.messages import Array, Message, MessageError  # noqa: E402
-from netmq_example.records import ANSWERS, ASKS, STEP, Record, read_frames, rewards, seeds  # noqa: E402
-from netmq_example.simulation.simulator import EnvironmentClient, Simulator  # noqa: E402
-from netmq_example.split_mix import draws  # noqa: E402
+from netmq_example.scene.simulator import EnvironmentClient, Simulator  # noqa: E402
+from netmq_example.wire import trees  # noqa: E402
+from netmq_example.wire.records import ANSWERS, ASKS, STEP, Record, read_frames, rewards, seeds  # noqa: E402
+from netmq_example.wire.split_mix import draws  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
+from netmq_example.worlds.cross_entropy import play, train  # noqa: E402
 from netmq_example.worlds.road_car import RoadCar  # noqa: E402
 
 CLIENT = [str(PYTHON), str(LESSON / "client.py"), "--timeout", "30"]

@@ -37,17 +37,17 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv  # noqa: E402
 from gymnasium.vector.utils import iterate  # noqa: E402
 from gymnasium.wrappers import TimeLimit  # noqa: E402
 
-from netmq_example import trees  # noqa: E402
 from netmq_example.envs import ZmqEnv, ZmqVectorEnv  # noqa: E402
 from netmq_example.errors import Refused  # noqa: E402
 from netmq_example.messages import Message, MessageError  # noqa: E402
-from netmq_example.records import ASKS, RESET, STEP, Record, read, seeds  # noqa: E402
-from netmq_example.simulation.areas import AreaSimulator  # noqa: E402
-from netmq_example.simulation.simulation import Simulation  # noqa: E402
-from netmq_example.simulation.simulator import Simulator  # noqa: E402
-from netmq_example.space_bytes import Bytes  # noqa: E402
-from netmq_example.space_numbers import misfit  # noqa: E402
-from netmq_example.spaces import described, space_of  # noqa: E402
+from netmq_example.scene.areas import AreaSimulator  # noqa: E402
+from netmq_example.scene.simulation import Simulation  # noqa: E402
+from netmq_example.scene.simulator import Simulator  # noqa: E402
+from netmq_example.wire import trees  # noqa: E402
+from netmq_example.wire.records import ASKS, RESET, STEP, Record, read, seeds  # noqa: E402
+from netmq_example.wire.space_bytes import Bytes  # noqa: E402
+from netmq_example.wire.space_numbers import misfit  # noqa: E402
+from netmq_example.wire.spaces import described, space_of  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 
 GOLDEN = json.loads((ROOT / "tests" / "lessons" / "golden" / "09_environment.json").read_text(encoding="utf-8"))

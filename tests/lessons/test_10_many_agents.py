@@ -29,15 +29,15 @@ from pettingzoo.utils.conversions import parallel_to_aec  # noqa: E402
 
 KEY, AREAS = "10_many_agents", 4
 sys.path.append(str(ROOT / "python" / KEY))
-from netmq_example import trees  # noqa: E402
 from netmq_example.envs import ZmqParallelEnv  # noqa: E402
 from netmq_example.envs.launch import game  # noqa: E402
 from netmq_example.messages import Array, Message, MessageError  # noqa: E402
-from netmq_example.records import ASKS, NOTHING, RESET, STEP, Record, seeds  # noqa: E402
-from netmq_example.simulation.agents import AgentSimulator  # noqa: E402
-from netmq_example.simulation.areas import AreaSimulator  # noqa: E402
-from netmq_example.simulation.simulation import AgentSimulation, InfoQueue, RealTime  # noqa: E402
-from netmq_example.space_bytes import Bytes  # noqa: E402
+from netmq_example.scene.agents import AgentSimulator  # noqa: E402
+from netmq_example.scene.areas import AreaSimulator  # noqa: E402
+from netmq_example.scene.simulation import AgentSimulation, InfoQueue, RealTime  # noqa: E402
+from netmq_example.wire import trees  # noqa: E402
+from netmq_example.wire.records import ASKS, NOTHING, RESET, STEP, Record, seeds  # noqa: E402
+from netmq_example.wire.space_bytes import Bytes  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 from netmq_example.worlds.pursuit import Pursuit  # noqa: E402
 from netmq_example.worlds.road_car import RoadCar  # noqa: E402

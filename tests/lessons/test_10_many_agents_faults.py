@@ -16,15 +16,15 @@ pytest.importorskip("pettingzoo", reason="lesson 10 needs pettingzoo: kit.py run
 KEY = "10_many_agents"
 from gymnasium.spaces import Box  # noqa: E402
 
-from netmq_example import records, trees  # noqa: E402
 from netmq_example.envs import ZmqParallelEnv, ZmqVectorEnv  # noqa: E402
 from netmq_example.envs.parallel_env import LONGEST_INFO, told_in  # noqa: E402
 from netmq_example.errors import Lost  # noqa: E402
 from netmq_example.messages import EXACT, Message, MessageError  # noqa: E402
-from netmq_example.records import ANSWERS, ASKS, RESET, STEP, Record, rewards  # noqa: E402
-from netmq_example.simulation.agents import AgentSimulator  # noqa: E402
-from netmq_example.simulation.areas import AreaSimulator  # noqa: E402
-from netmq_example.simulation.simulation import RealTime  # noqa: E402
+from netmq_example.scene.agents import AgentSimulator  # noqa: E402
+from netmq_example.scene.areas import AreaSimulator  # noqa: E402
+from netmq_example.scene.simulation import RealTime  # noqa: E402
+from netmq_example.wire import records, trees  # noqa: E402
+from netmq_example.wire.records import ANSWERS, ASKS, RESET, STEP, Record, rewards  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 from netmq_example.worlds.pursuit import Pursuit  # noqa: E402
 

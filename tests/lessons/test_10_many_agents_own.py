@@ -22,9 +22,9 @@ from gymnasium.utils.env_checker import data_equivalence  # noqa: E402
 
 KEY = "10_many_agents"
 from netmq_example.envs import ZmqParallelEnv, ZmqVectorEnv  # noqa: E402
-from netmq_example.simulation.agents import AgentSimulator  # noqa: E402
-from netmq_example.simulation.areas import AreaSimulator  # noqa: E402
-from netmq_example.simulation.simulation import AgentSimulation  # noqa: E402
+from netmq_example.scene.agents import AgentSimulator  # noqa: E402
+from netmq_example.scene.areas import AreaSimulator  # noqa: E402
+from netmq_example.scene.simulation import AgentSimulation  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 
 

@@ -27,10 +27,10 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv  # noqa: E402
 from gymnasium.vector.utils import batch_space, concatenate, create_empty_array, iterate  # noqa: E402
 from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test  # noqa: E402
 
-from netmq_example import records, trees  # noqa: E402
 from netmq_example.envs import UnityAECEnv, UnityParallelEnv  # noqa: E402
 from netmq_example.messages import Array, Message, MessageError  # noqa: E402
-from netmq_example.simulation.scene import Agent, SceneSimulator  # noqa: E402
+from netmq_example.scene.scene import Agent, SceneSimulator  # noqa: E402
+from netmq_example.wire import records, trees  # noqa: E402
 
 KEY = "11_observations"
 sys.path.append(str(ROOT / "python" / KEY))

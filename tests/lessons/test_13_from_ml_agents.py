@@ -20,9 +20,9 @@ pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9
 import numpy as np
 from gymnasium.spaces import Box, Dict, Discrete, MultiDiscrete, Text
 
-from netmq_example.base_env import ActionTuple, DecisionStep, ObservationSpec, TerminalStep
-from netmq_example.environment import UnityEnvironment
-from netmq_example.exception import (
+from netmq_example.mlagents_envs.base_env import ActionTuple, DecisionStep, ObservationSpec, TerminalStep
+from netmq_example.mlagents_envs.environment import UnityEnvironment
+from netmq_example.mlagents_envs.exception import (
     UnityActionException,
     UnityCommunicationException,
     UnityCommunicatorStoppedException,
@@ -31,9 +31,9 @@ from netmq_example.exception import (
     UnityTimeOutException,
     UnityWorkerInUseException,
 )
-from netmq_example.side_channel.raw_bytes_channel import RawBytesChannel
-from netmq_example.simulation.simulation import Simulation
-from netmq_example.simulation.simulator import EnvironmentClient, Simulator
+from netmq_example.mlagents_envs.side_channel.raw_bytes_channel import RawBytesChannel
+from netmq_example.scene.simulation import Simulation
+from netmq_example.scene.simulator import EnvironmentClient, Simulator
 
 GUIDE = ROOT / "docs" / "guide"
 PAGE = (GUIDE / "from_ml_agents.md").read_text(encoding="utf-8")
@@ -46,7 +46,7 @@ CSHARP = {
 }
 RAW = (
     "from mlagents_envs.side_channel.side_channel import SideChannel",
-    "from netmq_example.side_channel.raw_side_channel import SideChannel",
+    "from netmq_example.mlagents_envs.side_channel.raw_side_channel import SideChannel",
 )
 
 OLD_CHANNEL = """using MLAgents;

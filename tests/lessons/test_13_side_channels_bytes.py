@@ -16,14 +16,17 @@ import uuid
 
 import pytest
 
-from netmq_example.exception import UnitySideChannelException
-from netmq_example.side_channel import IncomingMessage, OutgoingMessage, SideChannel
-from netmq_example.side_channel.engine_configuration_channel import EngineConfig, EngineConfigurationChannel
-from netmq_example.side_channel.float_properties_channel import FloatPropertiesChannel
-from netmq_example.side_channel.raw_bytes_channel import RawBytesChannel
-from netmq_example.side_channel.raw_side_channel import SideChannel as RawSideChannel
-from netmq_example.side_channel.side_channel_manager import SideChannelManager
-from netmq_example.side_channel.unity_channels import (
+from netmq_example.mlagents_envs.exception import UnitySideChannelException
+from netmq_example.mlagents_envs.side_channel import IncomingMessage, OutgoingMessage, SideChannel
+from netmq_example.mlagents_envs.side_channel.engine_configuration_channel import (
+    EngineConfig,
+    EngineConfigurationChannel,
+)
+from netmq_example.mlagents_envs.side_channel.float_properties_channel import FloatPropertiesChannel
+from netmq_example.mlagents_envs.side_channel.raw_bytes_channel import RawBytesChannel
+from netmq_example.mlagents_envs.side_channel.raw_side_channel import SideChannel as RawSideChannel
+from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
+from netmq_example.mlagents_envs.unity_channels import (
     EngineSettings,
     EnvironmentParameters,
     StatsRecorder,

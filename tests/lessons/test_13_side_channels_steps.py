@@ -18,16 +18,16 @@ MOON = f"""
 import sys
 sys.path.insert(0, {str(ROOT / "python")!r})
 import numpy as np
-from netmq_example.simulation.simulator import EnvironmentClient
-from netmq_example.side_channel.environment_parameters_channel import EnvironmentParametersChannel
+from netmq_example.scene.simulator import EnvironmentClient
+from netmq_example.mlagents_envs.side_channel.environment_parameters_channel import EnvironmentParametersChannel
 from gymnasium.spaces import Box, Discrete
 from netmq_example.messages import MessageError
-from netmq_example.side_channel import OutgoingMessage
-from netmq_example.side_channel.side_channel_manager import SideChannelManager
-from netmq_example.simulation.simulation import Simulation
-from netmq_example.simulation.simulator import Simulator
-from netmq_example.side_channel.stats_side_channel import StatsSideChannel
-from netmq_example.simulation.side_channels import SideChannelSimulator
+from netmq_example.mlagents_envs.side_channel import OutgoingMessage
+from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
+from netmq_example.scene.simulation import Simulation
+from netmq_example.scene.simulator import Simulator
+from netmq_example.mlagents_envs.side_channel.stats_side_channel import StatsSideChannel
+from netmq_example.scene.side_channels import SideChannelSimulator
 
 class Parameters(EnvironmentParametersChannel):
     gravity = 9.75
@@ -51,11 +51,11 @@ class Moon(Simulation):
 
 parameters, stats, simulator = Parameters(), StatsSideChannel(), Simulator(Moon())
 if "--areas" in sys.argv:
-    from netmq_example.simulation.areas import AreaSimulator
+    from netmq_example.scene.areas import AreaSimulator
     simulator = AreaSimulator([Moon(), Moon()])
 if "--lesson-10" in sys.argv:
-    from netmq_example.simulation.simulation import AgentSimulation
-    from netmq_example.simulation.agents import AgentSimulator
+    from netmq_example.scene.simulation import AgentSimulation
+    from netmq_example.scene.agents import AgentSimulator
 
     class Game(AgentSimulation):
         name, dt, agents, moon = "Moon", 0.02, dict(a=(Moon.observation, Moon.action)), Moon()
@@ -71,8 +71,8 @@ if "--lesson-10" in sys.argv:
     simulator = AgentSimulator(Game())
 if "--lesson-11" in sys.argv:
     from typing import Annotated
-    from netmq_example.simulation.scene import Agent, Obs
-    from netmq_example.simulation.scene import SceneSimulator
+    from netmq_example.scene.scene import Agent, Obs
+    from netmq_example.scene.scene import SceneSimulator
 
     class Lander(Agent, Moon):
         gravity: Annotated[float, Obs()] = 0.0
@@ -94,9 +94,9 @@ def moon(make, tmp_path):
     pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
     from netmq_example.envs.gym_env import ZmqEnv
     from netmq_example.envs.side_channels import carry
-    from netmq_example.side_channel.environment_parameters_channel import EnvironmentParametersChannel
-    from netmq_example.side_channel.side_channel_manager import SideChannelManager
-    from netmq_example.side_channel.stats_side_channel import StatsSideChannel
+    from netmq_example.mlagents_envs.side_channel.environment_parameters_channel import EnvironmentParametersChannel
+    from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
+    from netmq_example.mlagents_envs.side_channel.stats_side_channel import StatsSideChannel
 
     (tmp_path / "moon.py").write_text(MOON, encoding="utf-8")
 

@@ -21,8 +21,8 @@ np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: kit.py run 9 in
 
 RAY = ROOT / "python" / "17_many_machines" / "ray_train.py"
 CLIENT = ROOT / "python" / "09_environment" / "client.py"
-from netmq_example import cross_entropy  # noqa: E402
-from netmq_example.split_mix import draws  # noqa: E402
+from netmq_example.wire.split_mix import draws  # noqa: E402
+from netmq_example.worlds import cross_entropy  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 
 pytestmark = [pytest.mark.xdist_group("ray"), pytest.mark.skipif(os.name == "nt", reason="Ray is in beta on Windows")]

@@ -11,10 +11,11 @@ from types import SimpleNamespace
 import pytest
 import zmq
 
-from netmq_example import messages, records
+from netmq_example import messages
 from netmq_example.fleet.board import MOST_LINES, Board
 from netmq_example.fleet.hub import Hub
-from netmq_example.records import ANSWERS, ASKS, NOTHING, Record, rewards
+from netmq_example.wire import records
+from netmq_example.wire.records import ANSWERS, ASKS, NOTHING, Record, rewards
 from tests.conftest import PYTHON
 from tests.lessons.test_17_many_machines import KEY, NoSocket
 from tests.programs import ROOT, Program

@@ -11,9 +11,9 @@ import zmq
 if not Path("/proc/self/status").exists():
     pytest.skip("only Linux says how much memory a program has taken", allow_module_level=True)
 
-from netmq_example import records
 from netmq_example.messages import Array, Message
-from netmq_example.records import ANSWERS, ASKS, Record
+from netmq_example.wire import records
+from netmq_example.wire.records import ANSWERS, ASKS, Record
 from tests.conftest import PYTHON
 from tests.programs import LIMIT, ROOT, Program
 
@@ -140,7 +140,7 @@ def test_a_state_that_is_no_state(peer):
     """As numbers of Python it would have taken a hundred times its bytes."""
     np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: kit.py run 9 installs it")
     pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
-    from netmq_example import trees
+    from netmq_example.wire import trees
 
     with zmq.Context() as context, context.socket(zmq.ROUTER) as trainer:
         trainer.linger, trainer.rcvtimeo = 0, int(LIMIT * 1000)

@@ -15,9 +15,9 @@ from netmq_example.jobs import JobClient
 from netmq_example.lazy_pirate import LazyPirate
 from netmq_example.many_requester import ManyRequester
 from netmq_example.messages import Message
+from netmq_example.mlagents_envs.carrier import ClientCarrier
 from netmq_example.pose_stream import PoseSubscriber
 from netmq_example.security import SecureRequester
-from netmq_example.side_channel.carrier import ClientCarrier
 from netmq_example.topic_listener import TopicListener
 from tests.programs import MovingName, steady_port
 

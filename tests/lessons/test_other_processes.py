@@ -134,7 +134,7 @@ from netmq_example.many_requester import ManyRequester
 from netmq_example.messages import Message
 from netmq_example.pose_stream import PoseSubscriber
 from netmq_example.security.requester import SecureRequester
-from netmq_example.side_channel.carrier import ClientCarrier
+from netmq_example.mlagents_envs.carrier import ClientCarrier
 from netmq_example.video.films import Films
 
 context, nowhere = zmq.Context(), "tcp://127.0.0.1:9"

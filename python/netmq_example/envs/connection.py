@@ -20,14 +20,15 @@ from typing import Any
 
 import zmq
 
-from netmq_example import arguments, check, records
+from netmq_example import arguments, check
 from netmq_example.envs.launch import END_SECONDS, QUIET, end_program, program, say_waiting, start_program, why_ended
 from netmq_example.errors import Lost, Timeout
 from netmq_example.finalizers import finalizer
 from netmq_example.messages import LIMIT, Message, MessageError
 from netmq_example.one_process import OneProcess
 from netmq_example.program import cannot_listen, limit
-from netmq_example.records import Record
+from netmq_example.wire import records
+from netmq_example.wire.records import Record
 
 ENDPOINT = "tcp://127.0.0.1:5559"
 FREE_PORT = "tcp://127.0.0.1:*"

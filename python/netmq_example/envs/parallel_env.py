@@ -21,7 +21,7 @@ from gymnasium.spaces import Space
 from gymnasium.utils import seeding
 from pettingzoo import ParallelEnv
 
-from netmq_example import arguments, check, trees
+from netmq_example import arguments, check
 from netmq_example.envs.common import (
     MadeAnew,
     frames_per_second,
@@ -38,9 +38,10 @@ from netmq_example.envs.common import (
 from netmq_example.envs.connection import Simulators
 from netmq_example.errors import Lost
 from netmq_example.messages import Message, MessageError, take
-from netmq_example.records import ASKS, NOTHING, RESET, STEP, TERMINATED, TRUNCATED, Record, rewards_in, seeds
-from netmq_example.space_bytes import Bytes
-from netmq_example.space_numbers import shown
+from netmq_example.wire import trees
+from netmq_example.wire.records import ASKS, NOTHING, RESET, STEP, TERMINATED, TRUNCATED, Record, rewards_in, seeds
+from netmq_example.wire.space_bytes import Bytes
+from netmq_example.wire.space_numbers import shown
 
 ENDPOINT = "tcp://127.0.0.1:5560"
 # Bytes of an info.

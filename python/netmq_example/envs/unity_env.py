@@ -22,7 +22,7 @@ from typing import Any
 import gymnasium
 from gymnasium.spaces import Space
 
-from netmq_example import arguments, trees
+from netmq_example import arguments
 from netmq_example.envs.common import MadeAnew, frames_per_second, hello_from, info_in, options_as_bytes
 from netmq_example.envs.connection import Simulators
 from netmq_example.envs.merge import empty, fitted
@@ -31,9 +31,21 @@ from netmq_example.envs.rendering import MODES, Rendered, check_words
 from netmq_example.errors import Lost
 from netmq_example.locator import quoted
 from netmq_example.messages import ENCODER, Message, MessageError
-from netmq_example.records import ABSENT, ASKS, NOTHING, RESET, STEP, TERMINATED, TRUNCATED, Record, rewards_in, seeds
-from netmq_example.space_bytes import codec_of
-from netmq_example.trees import SIZE
+from netmq_example.wire import trees
+from netmq_example.wire.records import (
+    ABSENT,
+    ASKS,
+    NOTHING,
+    RESET,
+    STEP,
+    TERMINATED,
+    TRUNCATED,
+    Record,
+    rewards_in,
+    seeds,
+)
+from netmq_example.wire.space_bytes import codec_of
+from netmq_example.wire.trees import SIZE
 
 Spaces = dict[str, Space[Any]]
 ENDPOINT = "tcp://127.0.0.1:5561"

@@ -21,11 +21,12 @@ from typing import Any
 
 import zmq
 
-from netmq_example import arguments, check, records
+from netmq_example import arguments, check
 from netmq_example.fleet.members import Member, NotTaken, accept, fits, offer, size_of
 from netmq_example.fleet.trainers import Trainer
 from netmq_example.messages import Message, MessageError, take
 from netmq_example.program import Socket
+from netmq_example.wire import records
 
 TICK_SECONDS = 0.1
 # After so much silence the hub sends its last message again.

@@ -17,7 +17,7 @@ from collections.abc import Callable
 from typing import Any
 
 from netmq_example.messages import LIMIT, Message, MessageError
-from netmq_example.records import Record
+from netmq_example.wire.records import Record
 
 # The hub is never silent for so long. See Member.
 SILENCE_SECONDS = 3.0

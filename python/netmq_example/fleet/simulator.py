@@ -9,8 +9,8 @@ build only; write another one wherever yours computes differently.
 
 from netmq_example import check
 from netmq_example.messages import Message
-from netmq_example.records import Record
-from netmq_example.simulation.simulator import SimulatorBase
+from netmq_example.scene.simulator import SimulatorBase
+from netmq_example.wire.records import Record
 
 
 class FleetSimulator(SimulatorBase):

@@ -21,8 +21,8 @@ from netmq_example.finalizers import finalizer
 from netmq_example.messages import LIMIT, Message, take
 from netmq_example.one_process import OneProcess
 from netmq_example.program import limit
-from netmq_example.records import is_record
 from netmq_example.retries import longer
+from netmq_example.wire.records import is_record
 
 PEER = b"hub"
 # The environment asks again each second. If it is silent for longer, it waits for a simulator, and tells the hub. So

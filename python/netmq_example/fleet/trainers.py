@@ -17,7 +17,7 @@ from typing import Any
 
 from netmq_example.fleet.members import MOST_AREAS, Episode, size_of
 from netmq_example.messages import LIMIT, Message, MessageError
-from netmq_example.records import ANSWERS, ASKS, EACH, HEAD, NOTHING, RESET, STEP, Record
+from netmq_example.wire.records import ANSWERS, ASKS, EACH, HEAD, NOTHING, RESET, STEP, Record
 
 # An episode is kept, so that it can be played again, and so it must end.
 MOST_STEPS = 100_000

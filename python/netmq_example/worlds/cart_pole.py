@@ -16,7 +16,7 @@ import numpy as np
 from gymnasium.spaces import Box, Discrete
 
 from netmq_example.messages import MessageError
-from netmq_example.simulation.simulation import Simulation
+from netmq_example.scene.simulation import Simulation
 
 GRAVITY = 9.8
 FORCE = 10.0

@@ -11,7 +11,7 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from netmq_example.simulation.scene import Agent, Obs
+from netmq_example.scene.scene import Agent, Obs
 
 FIELD_METRES = 10.0
 COINS = 3

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import Box, Discrete
 
-from netmq_example.simulation.simulation import AgentSimulation
+from netmq_example.scene.simulation import AgentSimulation
 
 # The world goes from -1 to 1, both ways; in one step a hunter comes so far, and a rabbit.
 RUN = {"hunter": 0.05, "rabbit": 0.06}

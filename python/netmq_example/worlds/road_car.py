@@ -1,6 +1,6 @@
 """The road's car as a simulation, to be driven step by step through an environment. In C# it is RoadCar.cs.
 
-    Simulator(RoadCar())        what netmq_example.simulation.simulator connects to an environment, NetMQExample/Car-v0
+    Simulator(RoadCar())        what netmq_example.scene.simulator connects to an environment, NetMQExample/Car-v0
 
 It sees where it is relative to the road: five numbers. Both sides give the same numbers to the last bit, as road.py
 does. It needs numpy and gymnasium.
@@ -13,7 +13,7 @@ import numpy as np
 from gymnasium.spaces import Box
 
 from netmq_example.messages import MessageError
-from netmq_example.simulation.simulation import Simulation
+from netmq_example.scene.simulation import Simulation
 from netmq_example.worlds.road import HALF_WIDTH, STEP_SECONDS, Car, DrawnCamera, Road
 
 # So many points of the road ahead, some 9 m, it sees where the road goes.

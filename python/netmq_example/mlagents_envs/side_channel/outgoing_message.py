@@ -13,8 +13,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from netmq_example import arguments, check
-from netmq_example.exception import UnitySideChannelException
-from netmq_example.side_channel.incoming_message import BOOL, FLOAT32, INT32
+from netmq_example.mlagents_envs.exception import UnitySideChannelException
+from netmq_example.mlagents_envs.side_channel.incoming_message import BOOL, FLOAT32, INT32
 
 TAKES = {INT32: "a whole number from -2**31 to 2**31 - 1", FLOAT32: "a number, NaN and infinity as well"}
 

@@ -21,8 +21,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from netmq_example import arguments, check
-from netmq_example.exception import UnityException, UnitySideChannelException
-from netmq_example.side_channel.side_channel import LARGEST_EXCHANGE_BYTES, Channel
+from netmq_example.mlagents_envs.exception import UnityException, UnitySideChannelException
+from netmq_example.mlagents_envs.side_channel.side_channel import LARGEST_EXCHANGE_BYTES, Channel
 
 # Limits for messages to channels that are not registered yet.
 MOST_KEPT = 100

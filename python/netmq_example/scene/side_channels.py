@@ -10,9 +10,9 @@ envs/side_channels.py is the training's end, and records.py says where the excha
 
 from netmq_example import check
 from netmq_example.messages import Message
-from netmq_example.records import Record
-from netmq_example.side_channel.side_channel_manager import SideChannelManager
-from netmq_example.simulation.simulator import SimulatorBase
+from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
+from netmq_example.scene.simulator import SimulatorBase
+from netmq_example.wire.records import Record
 
 
 class SideChannelSimulator(SimulatorBase):

@@ -18,21 +18,22 @@ from typing import Any
 import numpy as np
 import zmq
 
-from netmq_example import arguments, check, records
+from netmq_example import arguments, check
 from netmq_example.beacon import BeaconSearch
 from netmq_example.errors import Timeout
 from netmq_example.former import positional
 from netmq_example.messages import LIMIT, Message, MessageError
 from netmq_example.one_connection import NO_CONNECTION, TRY_SECONDS, connect_once
 from netmq_example.program import SLICE_MS
-from netmq_example.records import RESET, STEP, Record
 from netmq_example.retries import longer
-from netmq_example.simulation.answers import answer_to, hello_of, options_in, picture_of, unknown
-from netmq_example.simulation.launched import watch_launcher
-from netmq_example.simulation.simulation import Simulation
-from netmq_example.space_bytes import Bytes
-from netmq_example.spaces import described
-from netmq_example.split_mix import draws
+from netmq_example.scene.answers import answer_to, hello_of, options_in, picture_of, unknown
+from netmq_example.scene.launched import watch_launcher
+from netmq_example.scene.simulation import Simulation
+from netmq_example.wire import records
+from netmq_example.wire.records import RESET, STEP, Record
+from netmq_example.wire.space_bytes import Bytes
+from netmq_example.wire.spaces import described
+from netmq_example.wire.split_mix import draws
 
 ENDPOINT = "tcp://127.0.0.1:5559"
 # Without a request for so long, it says hello again: a trainer may be silent while it learns. Lesson 17's hub never is,

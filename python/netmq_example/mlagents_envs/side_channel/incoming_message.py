@@ -13,7 +13,7 @@ import struct
 from typing import Any
 
 from netmq_example import arguments, check
-from netmq_example.exception import UnitySideChannelException
+from netmq_example.mlagents_envs.exception import UnitySideChannelException
 
 # Both halves of ML-Agents make zeros of a list's items that are missing. More than so many would only fill the memory.
 MOST_MISSING = 65_536

@@ -19,7 +19,8 @@ from typing import Any
 
 from gymnasium.spaces import Space
 
-from netmq_example import arguments, check, trees
+from netmq_example import arguments, check
+from netmq_example.wire import trees
 
 # Bytes of infos that wait for an answer.
 MOST_WAITING = 12_000

@@ -11,15 +11,15 @@ the infos since then. In C# it is AgentSimulator.cs.
 import struct
 from typing import Any
 
-from netmq_example import trees
 from netmq_example.messages import Message, MessageError
-from netmq_example.records import NOTHING, RESET, STEP, Record
-from netmq_example.simulation.answers import answer_to, hello_of, options_in, picture_of, unknown
-from netmq_example.simulation.simulation import AgentSimulation, RealTime
-from netmq_example.simulation.simulator import SimulatorBase
-from netmq_example.space_bytes import Bytes
-from netmq_example.spaces import described
-from netmq_example.split_mix import draws
+from netmq_example.scene.answers import answer_to, hello_of, options_in, picture_of, unknown
+from netmq_example.scene.simulation import AgentSimulation, RealTime
+from netmq_example.scene.simulator import SimulatorBase
+from netmq_example.wire import trees
+from netmq_example.wire.records import NOTHING, RESET, STEP, Record
+from netmq_example.wire.space_bytes import Bytes
+from netmq_example.wire.spaces import described
+from netmq_example.wire.split_mix import draws
 
 
 class AgentSimulator(SimulatorBase):

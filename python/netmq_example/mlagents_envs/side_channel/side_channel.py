@@ -17,9 +17,9 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 
 from netmq_example import arguments, check
-from netmq_example.exception import UnitySideChannelException
-from netmq_example.side_channel.incoming_message import IncomingMessage
-from netmq_example.side_channel.outgoing_message import OutgoingMessage
+from netmq_example.mlagents_envs.exception import UnitySideChannelException
+from netmq_example.mlagents_envs.side_channel.incoming_message import IncomingMessage
+from netmq_example.mlagents_envs.side_channel.outgoing_message import OutgoingMessage
 
 __all__ = ["Channel", "IncomingMessage", "OutgoingMessage", "SideChannel"]
 

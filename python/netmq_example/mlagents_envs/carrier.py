@@ -24,12 +24,14 @@ import zmq
 from netmq_example import arguments, check
 from netmq_example.asking import cure
 from netmq_example.errors import Timeout
-from netmq_example.exception import UnitySideChannelException
+from netmq_example.mlagents_envs.exception import UnitySideChannelException
+from netmq_example.mlagents_envs.side_channel.side_channel import LARGEST_EXCHANGE_BYTES
+from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
 from netmq_example.one_process import OneProcess
 from netmq_example.program import limit
 from netmq_example.retries import longer
-from netmq_example.side_channel.side_channel import LARGEST_EXCHANGE_BYTES
-from netmq_example.side_channel.side_channel_manager import SideChannelManager
+
+__all__ = ["Carrier", "ClientCarrier"]
 
 # Messages that are read before the queued ones are sent.
 MOST_AT_ONCE = 100

@@ -24,14 +24,15 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, get_type_hints
 
-from netmq_example import arguments, check, trees
+from netmq_example import arguments, check
 from netmq_example.locator import APPEND, LocatorError, ordinal, parse, quoted
 from netmq_example.messages import Message, MessageError, take
-from netmq_example.records import RESET, STEP, Record
-from netmq_example.simulation.agents import info_of
-from netmq_example.simulation.answers import answer_to, hello_of, options_in, unknown
-from netmq_example.simulation.simulator import SimulatorBase
-from netmq_example.split_mix import draws
+from netmq_example.scene.agents import info_of
+from netmq_example.scene.answers import answer_to, hello_of, options_in, unknown
+from netmq_example.scene.simulator import SimulatorBase
+from netmq_example.wire import trees
+from netmq_example.wire.records import RESET, STEP, Record
+from netmq_example.wire.split_mix import draws
 
 
 @dataclass(frozen=True)

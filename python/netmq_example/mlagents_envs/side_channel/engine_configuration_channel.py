@@ -12,10 +12,10 @@ from enum import IntEnum
 from typing import NamedTuple
 
 from netmq_example import arguments, check
-from netmq_example.exception import UnitySideChannelException
-from netmq_example.side_channel.incoming_message import FLOAT32, INT32
-from netmq_example.side_channel.outgoing_message import packed
-from netmq_example.side_channel.side_channel import IncomingMessage, OutgoingMessage, SideChannel
+from netmq_example.mlagents_envs.exception import UnitySideChannelException
+from netmq_example.mlagents_envs.side_channel.incoming_message import FLOAT32, INT32
+from netmq_example.mlagents_envs.side_channel.outgoing_message import packed
+from netmq_example.mlagents_envs.side_channel.side_channel import IncomingMessage, OutgoingMessage, SideChannel
 
 # ML-Agents has 1 to 100, which is all that Unity's editor takes: faster than that, a game only stands still.
 LEAST_TIME_SCALE, MOST_TIME_SCALE = 1.0, 100.0

@@ -13,10 +13,10 @@ from collections.abc import Sequence
 from enum import IntEnum
 
 from netmq_example import arguments
-from netmq_example.exception import UnitySideChannelException
-from netmq_example.side_channel.incoming_message import FLOAT32, INT32
-from netmq_example.side_channel.outgoing_message import packed
-from netmq_example.side_channel.side_channel import IncomingMessage, OutgoingMessage, SideChannel
+from netmq_example.mlagents_envs.exception import UnitySideChannelException
+from netmq_example.mlagents_envs.side_channel.incoming_message import FLOAT32, INT32
+from netmq_example.mlagents_envs.side_channel.outgoing_message import packed
+from netmq_example.mlagents_envs.side_channel.side_channel import IncomingMessage, OutgoingMessage, SideChannel
 
 
 class EnvironmentParametersChannel(SideChannel):

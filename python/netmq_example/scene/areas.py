@@ -9,8 +9,8 @@ alone decides that. In C# it is AreaSimulator.cs.
 from collections.abc import Sequence
 
 from netmq_example.messages import Message
-from netmq_example.simulation.simulation import Simulation
-from netmq_example.simulation.simulator import Simulator
+from netmq_example.scene.simulation import Simulation
+from netmq_example.scene.simulator import Simulator
 
 
 class AreaSimulator(Simulator):

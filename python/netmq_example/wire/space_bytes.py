@@ -15,10 +15,10 @@ import numpy as np
 from gymnasium import spaces
 from gymnasium.vector.utils import batch_space, concatenate, create_empty_array, iterate
 
-from netmq_example import trees
 from netmq_example.messages import MessageError
-from netmq_example.space_numbers import Codec, Numbers, exactly, misfit
-from netmq_example.spaces import REASONS
+from netmq_example.wire import trees
+from netmq_example.wire.space_numbers import Codec, Numbers, exactly, misfit
+from netmq_example.wire.spaces import REASONS
 
 SIZE = trees.SIZE
 NO_EDGES = 2**32 - 1

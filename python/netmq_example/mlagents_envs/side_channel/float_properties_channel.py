@@ -10,10 +10,10 @@ Bytes: string key, float32 value. In C# it is FloatPropertiesChannel.cs.
 import uuid
 
 from netmq_example import arguments, check
-from netmq_example.exception import UnitySideChannelException
-from netmq_example.side_channel.incoming_message import FLOAT32
-from netmq_example.side_channel.outgoing_message import packed
-from netmq_example.side_channel.side_channel import IncomingMessage, OutgoingMessage, SideChannel
+from netmq_example.mlagents_envs.exception import UnitySideChannelException
+from netmq_example.mlagents_envs.side_channel.incoming_message import FLOAT32
+from netmq_example.mlagents_envs.side_channel.outgoing_message import packed
+from netmq_example.mlagents_envs.side_channel.side_channel import IncomingMessage, OutgoingMessage, SideChannel
 
 # Limits for the properties that the other side sends.
 MOST_PROPERTIES = 10_000

@@ -6,11 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from netmq_example import arguments, trees
+from netmq_example import arguments
 from netmq_example.messages import Array, Message, MessageError
-from netmq_example.named import write_dict
-from netmq_example.records import ANSWERS, TERMINATED, TRUNCATED, Record, rewards
-from netmq_example.space_numbers import exactly
+from netmq_example.wire import trees
+from netmq_example.wire.named import write_dict
+from netmq_example.wire.records import ANSWERS, TERMINATED, TRUNCATED, Record, rewards
+from netmq_example.wire.space_numbers import exactly
 
 
 def hello_of(name: str, dt: float, spaces: dict[str, Any]) -> Message:

@@ -27,8 +27,8 @@ import numpy as np
 from gymnasium import spaces
 from gymnasium.spaces import Space
 
-from netmq_example import trees
 from netmq_example.messages import MessageError
+from netmq_example.wire import trees
 
 # What Gymnasium's constructors and numpy raise, and reading past the end.
 REASONS = (*trees.REASONS, AssertionError, ArithmeticError, AttributeError)

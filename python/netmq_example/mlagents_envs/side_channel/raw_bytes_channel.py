@@ -9,7 +9,7 @@ In C# it is RawBytesChannel.cs.
 
 import uuid
 
-from netmq_example.side_channel.side_channel import IncomingMessage, OutgoingMessage, SideChannel
+from netmq_example.mlagents_envs.side_channel.side_channel import IncomingMessage, OutgoingMessage, SideChannel
 
 
 class RawBytesChannel(SideChannel):

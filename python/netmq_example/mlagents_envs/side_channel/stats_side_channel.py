@@ -10,8 +10,8 @@ Bytes: string key, float32 value, int32 how to aggregate. In C# it is StatsRecor
 import uuid
 from enum import IntEnum
 
-from netmq_example.exception import UnitySideChannelException
-from netmq_example.side_channel.side_channel import IncomingMessage, SideChannel
+from netmq_example.mlagents_envs.exception import UnitySideChannelException
+from netmq_example.mlagents_envs.side_channel.side_channel import IncomingMessage, SideChannel
 
 
 class StatsAggregationMethod(IntEnum):

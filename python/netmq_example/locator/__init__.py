@@ -15,7 +15,7 @@ described in docs/guide/11_locators.md. In C# it is Locator.cs. It needs only Py
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from netmq_example.locator_reader import APPEND, Bracketed, LocatorError, Path, Reader, Step, quoted
+from netmq_example.locator.reader import APPEND, Bracketed, LocatorError, Path, Reader, Step, quoted
 
 __all__ = ["APPEND", "Locator", "LocatorError", "Mapping", "Path", "Step", "ordinal", "parse", "quoted", "spelled"]
 

@@ -5,8 +5,8 @@ data = write_dict({"level": 3}, "option")           MessageError: option 'level'
 
 from typing import Any
 
-from netmq_example import trees
 from netmq_example.messages import MessageError
+from netmq_example.wire import trees
 
 
 def write_dict(values: dict[str, Any], word: str) -> bytes:

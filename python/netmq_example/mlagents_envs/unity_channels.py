@@ -16,19 +16,21 @@ from collections.abc import Callable
 from itertools import islice
 
 from netmq_example import arguments, check
-from netmq_example.exception import UnitySideChannelException
-from netmq_example.side_channel.engine_configuration_channel import (
+from netmq_example.mlagents_envs.exception import UnitySideChannelException
+from netmq_example.mlagents_envs.side_channel.engine_configuration_channel import (
     LEAST_TIME_SCALE,
     MOST_PIXELS,
     MOST_TIME_SCALE,
     EngineConfigurationChannel,
 )
-from netmq_example.side_channel.environment_parameters_channel import EnvironmentParametersChannel
-from netmq_example.side_channel.incoming_message import FLOAT32
-from netmq_example.side_channel.outgoing_message import packed
-from netmq_example.side_channel.side_channel import IncomingMessage, OutgoingMessage
-from netmq_example.side_channel.stats_side_channel import StatsAggregationMethod, StatsSideChannel
-from netmq_example.split_mix import draws
+from netmq_example.mlagents_envs.side_channel.environment_parameters_channel import EnvironmentParametersChannel
+from netmq_example.mlagents_envs.side_channel.incoming_message import FLOAT32
+from netmq_example.mlagents_envs.side_channel.outgoing_message import packed
+from netmq_example.mlagents_envs.side_channel.side_channel import IncomingMessage, OutgoingMessage
+from netmq_example.mlagents_envs.side_channel.stats_side_channel import StatsAggregationMethod, StatsSideChannel
+from netmq_example.wire.split_mix import draws
+
+__all__ = ["EngineSettings", "EnvironmentParameters", "StatsRecorder"]
 
 Sampler = Callable[[], float]
 

@@ -9,7 +9,9 @@ The exchange is the same, and such a channel talks to any other; only a text had
 
 from abc import abstractmethod
 
-from netmq_example.side_channel.side_channel import Channel
+from netmq_example.mlagents_envs.side_channel.side_channel import Channel
+
+__all__ = ["SideChannel"]
 
 
 class SideChannel(Channel):
