@@ -20,7 +20,7 @@ with importing("gymnasium; pip install gymnasium, or let kit.py run 9 do it", st
     from netmq_example.worlds.cart_pole import CartPole
     from netmq_example.worlds.road_car import RoadCar
 
-# A world has reset, apply, which is a step, observe and judge: yours can stand here.
+# A world has reset, apply, which is a step, observe and reward_and_end: yours can stand here.
 WORLDS = {"CartPole": CartPole, "Car": RoadCar}
 
 

@@ -67,7 +67,7 @@ class Ball(Simulation):
         self.parameters = EnvironmentParameters()
         self.stats = StatsRecorder()
 
-    def reset(self, chance: Iterator[float], options: dict[str, Any], state: list[float]) -> None:
+    def reset(self, rng: Iterator[float], options: dict[str, Any], state: list[float]) -> None:
         self.height = state[0] if state else 2.0
         self.speed = 0.0
 
@@ -80,7 +80,7 @@ class Ball(Simulation):
     def observe(self) -> Any:
         return np.array([self.height], np.float32)
 
-    def judge(self) -> dict[str, Any]:
+    def reward_and_end(self) -> dict[str, Any]:
         return {"reward": 0.0, "terminated": self.height <= 0, "truncated": False}
 
 

@@ -34,7 +34,7 @@ class Mortal(FleetSimulator):
     delay = 0.0
 
     def do(self, request: Record) -> Record:
-        if STEP in request.marks:
+        if STEP in request.flags:
             if 0 < self.crash_after <= self.steps:
                 show(f"crash after {self.steps} steps, as told")
                 os._exit(1)

@@ -253,7 +253,7 @@ class Bare(gymnasium.Env):  # type: ignore[name-defined]
 
     def step(self, action):
         self.world.apply(action)
-        return self.world.observe(), *self.world.judge().values(), {}
+        return self.world.observe(), *self.world.reward_and_end().values(), {}
 
 
 def trained(caplog, seed, generations):

@@ -68,7 +68,7 @@ def state(request, *seen, reward=1.0, mark=0, info=b""):
 
 
 def is_step(request):
-    return request.kind == ASKS and request.marks == bytes([STEP])
+    return request.kind == ASKS and request.flags == bytes([STEP])
 
 
 def process(env):

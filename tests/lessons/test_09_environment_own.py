@@ -274,27 +274,27 @@ def test_a_judge_may_count_in_whole_numbers_and_in_numpys():
     class Mine(CartPole):
         dt = 1
 
-        def judge(self):
+        def reward_and_end(self):
             return {"reward": 1, "terminated": np.bool_(False), "truncated": 0}
 
     simulator = Simulator(Mine())
     assert type(simulator.hello().values["dt"]) is float
     answer = read_frames(ANSWERS, simulator.answer(step(1, 1)))
-    assert (answer.numbers, answer.marks) == (rewards([1.0]), b"\0")
+    assert (answer.numbers, answer.flags) == (rewards([1.0]), b"\0")
 
 
 @pytest.mark.parametrize(
-    ("judged", "text"),
+    ("outcomes", "text"),
     [
         ({"reward": ONE}, "bad-reward: the reward of CartPole is OldArray([2.]), which is no number"),
         ({"reward": None}, "bad-reward: the reward of CartPole is None, which is no number"),
         ({"seen": {1, 2}}, "bad-tree: info 'seen' cannot be sent: set has no place in a message"),
     ],
 )
-def test_what_a_judge_cannot_say_is_named(judged, text):
+def test_what_a_judge_cannot_say_is_named(outcomes, text):
     class Mine(CartPole):
-        def judge(self):
-            return judged
+        def reward_and_end(self):
+            return outcomes
 
     answer = read_frames(ANSWERS, Simulator(Mine()).answer(step(1, 1)))
     assert f"{answer.values['code']}: {answer.values['text']}" == text
@@ -312,7 +312,7 @@ def test_a_mistake_in_a_simulation_is_told_in_one_line_and_it_goes_on(caplog):
     class Mine(CartPole):
         reward = 1.0
 
-        def judge(self):
+        def reward_and_end(self):
             return {"reward": self.reward, "terminated": False, "truncated": False}
 
         def apply(self, action):

@@ -124,7 +124,7 @@ class Echo(Simulation):
         self.name, self.observation, self.action = name, space, space
         self.said, self.steps = None, 0
 
-    def reset(self, chance, options, state):
+    def reset(self, rng, options, state):
         self.said, self.steps = options["say"], 0
 
     def apply(self, action):
@@ -134,7 +134,7 @@ class Echo(Simulation):
     def observe(self):
         return self.said
 
-    def judge(self):
+    def reward_and_end(self):
         steps = self.steps
         return {"reward": 0.5 * steps, "terminated": steps == 3, "truncated": steps == 4, "steps": steps}
 
@@ -407,14 +407,18 @@ class Walk(Echo):
     def __init__(self, space):
         super().__init__("Walk", space)
 
-    def reset(self, chance, options, state):
-        self.observation.seed(int(2**31 * next(chance)))
-        self.last = int(state[0]) if state else 2 + int(5 * next(chance))
+    def reset(self, rng, options, state):
+        self.observation.seed(int(2**31 * next(rng)))
+        self.last = int(state[0]) if state else 2 + int(5 * next(rng))
         self.said, self.steps = self.observation.sample(), 0
 
-    def judge(self):
+    def reward_and_end(self):
         over = self.steps == self.last
-        return {**super().judge(), "terminated": over and self.last % 2, "truncated": over and not self.last % 2}
+        return {
+            **super().reward_and_end(),
+            "terminated": over and self.last % 2,
+            "truncated": over and not self.last % 2,
+        }
 
 
 WALKS = {

@@ -88,7 +88,7 @@ def test_who_is_lost_between_a_step_and_the_reset_in_it_ends_as_well(areas):
 
     def ask_and_kill(*request):
         answer = ask(*request)
-        if STEP in request[0].marks:
+        if STEP in request[0].flags:
             envs.simulator.lose()
         return answer
 
@@ -198,7 +198,7 @@ def test_a_wrong_state_of_areas_is_named(what, inside):
     wrong, text = AREAS[what]
 
     def answer(request):
-        given = {**FINE, **(wrong if STEP in request.marks else {})}
+        given = {**FINE, **(wrong if STEP in request.flags else {})}
         return [Record(ANSWERS, request.id, **given).frames()]
 
     simulator = inside(AreaSimulator([CartPole(), CartPole()]), answer)
@@ -235,7 +235,7 @@ def test_a_wrong_state_of_agents_is_named(wrong, text, inside):
 
 def test_a_reward_that_is_no_number_is_the_simulations_mistake():
     class Broken(Pursuit):
-        def judge(self, agent):
+        def reward_and_end(self, agent):
             return {"reward": float("nan"), "terminated": False, "truncated": False}
 
     simulator = AgentSimulator(Broken())

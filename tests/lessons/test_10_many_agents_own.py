@@ -50,8 +50,8 @@ class Tag(AgentSimulation):
     name, dt = "Tag", 0.1
     agents: ClassVar = {"cat": SPACES, "mouse": SPACES}
 
-    def reset(self, chance, options):
-        self.place, self.steps = {"cat": -5, "mouse": 5 * next(chance)}, 0
+    def reset(self, rng, options):
+        self.place, self.steps = {"cat": -5, "mouse": 5 * next(rng)}, 0
 
     def apply(self, actions):
         self.steps += 1
@@ -62,7 +62,7 @@ class Tag(AgentSimulation):
     def observe(self, agent):
         return [self.place[agent], self.place["mouse" if agent == "cat" else "cat"]]
 
-    def judge(self, agent):
+    def reward_and_end(self, agent):
         caught = abs(self.place["cat"] - self.place["mouse"]) < 0.3
         reward = 0 if not caught else 1 if agent == "cat" else -1
         return {"reward": reward, "terminated": caught, "truncated": self.steps == 100}

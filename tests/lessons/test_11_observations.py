@@ -400,7 +400,7 @@ def test_a_seed_reaches_those_whom_python_does_not_ask(alone):
     options = trees.write({"agents": ["a"], "options": {"x": 1}})
     reset = records.Record(records.ASKS, 1, records.seeds([5]), [records.RESET], [b""], options=options)
     SceneSimulator("World", 0.5, [one, other]).do(reset)
-    assert (other.chance, other.options) == (one.chance, {"x": 1}), "and in Python"
+    assert (other.rng, other.options) == (one.rng, {"x": 1}), "and in Python"
 
 
 def test_rewards_add_up_until_they_are_told(alone):

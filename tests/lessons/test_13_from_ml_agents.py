@@ -45,7 +45,7 @@ CSHARP = {
     "using MLAgents.SideChannels;": "using NetMQExample.RawSideChannels;",
 }
 RAW = (
-    "from mlagents_envs.side_channel.side_channel import SideChannel",
+    "from netmq_example.mlagents_envs.side_channel.side_channel import SideChannel",
     "from netmq_example.mlagents_envs.side_channel.raw_side_channel import SideChannel",
 )
 
@@ -263,7 +263,8 @@ def test_the_example_of_the_documentation_runs(channel, register, script, tmp_pa
     script = script.replace("UnityEnvironment(side", f"UnityEnvironment(base_port={port}, side")
     # The player may compile for longer than Python waits by itself.
     script = script.replace("side_channels=[", f"timeout_wait={LIMIT}, side_channels=[")
-    script = (script.replace(*RAW) if old else script).replace("mlagents_envs", "netmq_example")
+    script = script.replace("mlagents_envs", "netmq_example.mlagents_envs")
+    script = script.replace(*RAW) if old else script
     (tmp_path / "log.py").write_text(script, encoding="utf-8")
     python = start(PYTHON, tmp_path / "log.py", PYTHONPATH=str(ROOT / "python"))
     files = [tmp_path / f"{name}.cs" for name in ("World", "StringLogSideChannel", "Register")]
@@ -308,8 +309,8 @@ class Corridor(Simulation):
     def __init__(self, action=None, last=(5, True)):
         self.action, (self.end, self.terminates) = action or Box(-1, 1, (2,)), last
 
-    def reset(self, chance, options, state):
-        self.first = next(chance)
+    def reset(self, rng, options, state):
+        self.first = next(rng)
         self.steps, self.done = 0, np.zeros(2)
 
     def apply(self, action):
@@ -319,7 +320,7 @@ class Corridor(Simulation):
     def observe(self):
         return {"done": self.done.astype(np.float32), "step": np.array(self.steps, np.float32)}
 
-    def judge(self):
+    def reward_and_end(self):
         over = self.steps == self.end
         return {"reward": 0.5, "terminated": over and self.terminates, "truncated": over and not self.terminates}
 

@@ -339,7 +339,9 @@ assert channel.list_properties() == ["speed"] and channel.get_property_dict_copy
 
 @pytest.mark.parametrize("text", MOVED.values(), ids=MOVED)
 def test_a_channel_moves_over_by_one_word_of_its_imports(text):
-    exec(compile(text.replace("mlagents_envs", "netmq_example"), "moved.py", "exec"), {"__name__": "moved"})
+    exec(
+        compile(text.replace("mlagents_envs", "netmq_example.mlagents_envs"), "moved.py", "exec"), {"__name__": "moved"}
+    )
 
 
 # Where the two halves of ML-Agents do not agree, and what else Python alone decides

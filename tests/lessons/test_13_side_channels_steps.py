@@ -36,7 +36,7 @@ class Parameters(EnvironmentParametersChannel):
 
 class Moon(Simulation):
     name, dt, size, observation, action = "Moon", 0.02, 1, Box(0, 100, (1,)), Discrete(9)
-    def reset(self, chance, options, state):
+    def reset(self, rng, options, state):
         self.gravity = len(state) + parameters.gravity
     def apply(self, action):
         message = OutgoingMessage()
@@ -46,7 +46,7 @@ class Moon(Simulation):
         stats.queue_message_to_send(message)
     def observe(self):
         return np.array([self.gravity], np.float32)
-    def judge(self):
+    def reward_and_end(self):
         return dict(reward=0, terminated=False, truncated=False)
 
 parameters, stats, simulator = Parameters(), StatsSideChannel(), Simulator(Moon())
@@ -59,14 +59,14 @@ if "--lesson-10" in sys.argv:
 
     class Game(AgentSimulation):
         name, dt, agents, moon = "Moon", 0.02, dict(a=(Moon.observation, Moon.action)), Moon()
-        def reset(self, chance, options):
-            self.moon.reset(chance, options, [])
+        def reset(self, rng, options):
+            self.moon.reset(rng, options, [])
         def apply(self, actions):
             self.moon.apply(actions["a"])
         def observe(self, agent):
             return self.moon.observe()
-        def judge(self, agent):
-            return self.moon.judge()
+        def reward_and_end(self, agent):
+            return self.moon.reward_and_end()
 
     simulator = AgentSimulator(Game())
 if "--lesson-11" in sys.argv:

@@ -13,10 +13,10 @@ from typing import Any
 import pytest
 import zmq
 
+from netmq_example.mlagents_envs import carrier as one_peer
 from netmq_example.mlagents_envs.carrier import Carrier
 from netmq_example.mlagents_envs.exception import UnitySideChannelException
 from netmq_example.mlagents_envs.side_channel import IncomingMessage, OutgoingMessage
-from netmq_example.mlagents_envs.side_channel import carrier as one_peer
 from netmq_example.mlagents_envs.side_channel.engine_configuration_channel import EngineConfigurationChannel
 from netmq_example.mlagents_envs.side_channel.environment_parameters_channel import EnvironmentParametersChannel
 from netmq_example.mlagents_envs.side_channel.float_properties_channel import MOST_PROPERTIES, FloatPropertiesChannel

@@ -51,7 +51,7 @@ def returns(episodes):
         steps, over = 0, False
         while not over:
             world.apply(int(world.observe()[2] > 0))
-            steps, over = steps + 1, world.judge()["terminated"]
+            steps, over = steps + 1, world.reward_and_end()["terminated"]
         found.append(steps)
     return found
 
@@ -329,8 +329,8 @@ class Walker(Agent):
     steps: Annotated[int, Obs("['walked'] = $")] = 0
 
     def on_reset(self):
-        self.steps, self.last = 0, 3 + int(9 * next(self.chance))
-        self.place = np.array([next(self.chance), self.options.get("far", 0.0)])
+        self.steps, self.last = 0, 3 + int(9 * next(self.rng))
+        self.place = np.array([next(self.rng), self.options.get("far", 0.0)])
 
     def on_action(self, action):
         self.place = self.place + action

@@ -43,7 +43,7 @@ class Direct(gymnasium.Env):  # type: ignore[name-defined]
 
     def step(self, action):
         self.world.apply(action)
-        said = self.world.judge()
+        said = self.world.reward_and_end()
         return self.seen(), said["reward"], said["terminated"], said["truncated"], {}
 
 

@@ -93,7 +93,7 @@ def kind_of(message):
         return message.kind
     if message.kind == ANSWERS:
         return "state"
-    return "step" if records.STEP in message.marks else "reset"
+    return "step" if records.STEP in message.flags else "reset"
 
 
 def running(*words):
@@ -277,7 +277,7 @@ def test_what_is_asked_again_is_answered_again_and_done_once(hub, peer):
     trainer.say(RESET, 1)
     assert trainer.hear("state").frames() == first.frames()
     trainer.say(STEP, 2)
-    assert simulator.hear("reset", "step").marks == STEP.marks
+    assert simulator.hear("reset", "step").flags == STEP.flags
 
 
 def test_an_episode_waits_from_the_death_of_its_simulator_on(hasty, peer):

@@ -14,7 +14,7 @@ from netmq_example import arguments
 from netmq_example.fleet import hub, trainers
 from netmq_example.fleet.hub import Hub
 from netmq_example.messages import Array, Message
-from netmq_example.mlagents_envs.side_channel import carrier
+from netmq_example.mlagents_envs import carrier
 from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
 from netmq_example.wire import records
 from netmq_example.wire.records import ANSWERS, ASKS, Record

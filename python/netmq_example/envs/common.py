@@ -1,4 +1,4 @@
-"""What the environments of this package share: how they are copied, what they send, and what they refuse."""
+"""The environments of this package share how they are copied, what they send, and what they refuse."""
 
 from collections.abc import Mapping
 from typing import Any, Self

@@ -36,6 +36,12 @@ FREE_PORT = "tcp://127.0.0.1:*"
 RESEND_SECONDS = 1.0
 # The answers to requests in words; other kinds of messages are ignored.
 ANSWERS = {"render": "picture", "info": "told", "close": "closed"}
+# gymize's words, each with what is written today.
+GYMIZES = {
+    "agent_names": "several agents are the keys of observation_spaces, and a single one is agent_name",
+    "update_seconds": "leave it out",
+    "reward_range": "leave it out",
+}
 
 Accept = Callable[[Message], None]
 
@@ -155,7 +161,7 @@ class Connection(OneProcess):
 def name_of(request: Any) -> str:
     """As a person calls it."""
     if isinstance(request, Record):
-        return "step" if records.STEP in request.marks else "reset"
+        return "step" if records.STEP in request.flags else "reset"
     return str(request.kind)
 
 
@@ -170,8 +176,8 @@ def checked(request: Any, answer: Any) -> Any:
     if isinstance(request, Record):
         if not isinstance(answer, Record):
             raise MessageError("wrong-kind", f"{answer.kind!a:.40} is no answer to {name_of(request)}")
-        if len(answer.marks) != len(request.marks):
-            raise MessageError("wrong-areas", f"an answer for {len(answer.marks)}, but {len(request.marks)} were asked")
+        if len(answer.flags) != len(request.flags):
+            raise MessageError("wrong-areas", f"an answer for {len(answer.flags)}, but {len(request.flags)} were asked")
     elif not isinstance(answer, Message) or answer.kind != ANSWERS.get(request.kind, answer.kind):
         raise MessageError("wrong-kind", f"{getattr(answer, 'kind', 0)!a:.40} is no answer to {request.kind}")
     return answer
@@ -194,7 +200,7 @@ class Simulators:
         default: str = ENDPOINT,
         **unknown: object,
     ) -> None:
-        arguments.no_others(unknown)
+        no_others(unknown)
         self.wait = arguments.seconds("wait", wait)
         timeout = arguments.seconds("timeout", timeout)
         self.launch = program(launch)
@@ -232,7 +238,7 @@ class Simulators:
         QUIET.pop(endpoint, None)
 
     def begin(self, accept: Accept, ask: Callable[[Lost | None], Any]) -> Any:
-        """What `ask` for a reset returns, in another simulator if one is lost; it gets what was lost before.
+        """Ask for a reset, and ask another simulator if one is lost; `ask` gets the error that was raised before.
 
         The next one may be lost as well: lesson 17's hub is started anew just then. Or each one ends of a reset, so
         that after three it is over.
@@ -285,3 +291,11 @@ def bound(endpoint: str, example: str = ENDPOINT) -> zmq.Socket[bytes]:
         cure = f"close() the environment that has it, or give this one its own endpoint, such as {FREE_PORT}"
         raise cannot_listen(endpoint, error, cure) from None
     return socket
+
+
+def no_others(words: dict[str, object]) -> None:
+    """An environment takes no words but its own."""
+    known = "where its simulator is, say endpoint, launch, wait, timeout and socket"
+    cures = dict.fromkeys(GYMIZES.get(word, known) for word in words)
+    if cures:
+        raise TypeError(f"an environment takes no {', '.join(words)}; {'; '.join(cures)}")

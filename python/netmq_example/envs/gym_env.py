@@ -93,7 +93,7 @@ class ZmqEnv(MadeAnew, gymnasium.Env[Any, Any]):
             return self.observations.read(self.seen), 0.0, False, True, {"lost": str(lost)}
         seen = self.look(state)
         (reward,) = rewards_in(state)
-        ends = state.marks[0]
+        ends = state.flags[0]
         if ends:
             # Steps beyond the end would be of no episode, and seldom in the space.
             self.seen = None

@@ -36,7 +36,7 @@ known: Callable[[str], Locator] = functools.lru_cache(10_000)(parse)
 
 
 class Sight:
-    """What one agent sees."""
+    """The observation of one agent, read from each row."""
 
     def __init__(self, name: str, space: Space[Any]) -> None:
         self.name = name

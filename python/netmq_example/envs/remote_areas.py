@@ -178,7 +178,7 @@ class RemoteAreas:
         rewards = np.frombuffer(state.numbers, np.float64).copy()
         if not np.isfinite(rewards).all():
             raise MessageError("bad-reward", f"the rewards are {rewards!s:.80}")
-        ends = np.frombuffer(state.marks, np.uint8)
+        ends = np.frombuffer(state.flags, np.uint8)
         infos = [self.info(data) for data in state.infos]
         if not all(info.keys().isdisjoint(OWN) for info in infos):
             raise MessageError("bad-info", f"these names are the environment's own: {', '.join(OWN)}")

@@ -25,7 +25,7 @@ class Mapping:
     """One value to one place, as `parse` reads it. With neither `everyone` nor agents, the scope says whose it is."""
 
     everyone: bool = False
-    # Whose observation; with `everyone`, whose not.
+    # The observation is theirs; with `everyone`, it is that of all others.
     agents: tuple[str, ...] = ()
     # From the scope only the agents are taken, and not the path.
     root: bool = False

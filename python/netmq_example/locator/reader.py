@@ -30,7 +30,7 @@ class LocatorError(ValueError):
     """What is wrong with a locator, in one line that says where."""
 
 
-# What .NET takes for blank, here by name: Python's \s is more.
+# These are .NET's blanks: Python's \s is more.
 BLANKS = r"[\t-\r \x85\xa0\u1680\u2000-\u200a\u2028\u2029\u202f\u205f\u3000]*"
 BLANK = re.compile(BLANKS)
 NAME = re.compile("[A-Za-z_][A-Za-z0-9_]*")
@@ -168,7 +168,7 @@ class Reader:
 
 # Names
 
-# What would end a line, write over it, turn its direction or not be seen: in a canonical text it is escaped.
+# A canonical text escapes each character that would end a line, write over it, turn its direction or not be seen.
 UNSEEN = re.compile(
     r"[\\'\x00-\x1f\x7f-\x9f\xad\u061c\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb\ud800-\udfff]"
 )

@@ -76,20 +76,20 @@ class ActionSpec(NamedTuple):
         return ActionTuple(np.zeros((n_agents, self.continuous_size)), np.zeros((n_agents, self.discrete_size)))
 
     def random_action(self, n_agents: int) -> ActionTuple:
-        chance = np.random.default_rng()
-        floats = chance.uniform(-1, 1, (n_agents, self.continuous_size))
-        return ActionTuple(floats, chance.integers(self.discrete_branches, size=(n_agents, self.discrete_size)))
+        rng = np.random.default_rng()
+        floats = rng.uniform(-1, 1, (n_agents, self.continuous_size))
+        return ActionTuple(floats, rng.integers(self.discrete_branches, size=(n_agents, self.discrete_size)))
 
 
 class ObservationSpec(NamedTuple):
-    """What one observation is called, and its shape for one agent."""
+    """The name of one observation, and its shape for one agent."""
 
     shape: tuple[int, ...]
     name: str
 
 
 class BehaviorSpec(NamedTuple):
-    """What there is to see, in the order of `obs`, and what an action is made of."""
+    """The observations, in the order of `obs`, and the parts of an action."""
 
     observation_specs: list[ObservationSpec]
     action_spec: ActionSpec

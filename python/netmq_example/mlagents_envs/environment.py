@@ -135,7 +135,7 @@ class UnityEnvironment:
 
     @contextlib.contextmanager
     def naming(self) -> Iterator[None]:
-        """What goes wrong while a simulator is found has the names that it has in ML-Agents."""
+        """The errors while a simulator is found have ML-Agents' names."""
         try:
             yield
         except TimeoutError as error:

@@ -45,8 +45,8 @@ def to_float32(value: float) -> float:
 
 def uniform(low: float, high: float, seed: int) -> Sampler:
     finite(low, high)
-    chance = draws(check_seed(seed))
-    return lambda: to_float32(low + next(chance) * (high - low))
+    rng = draws(check_seed(seed))
+    return lambda: to_float32(low + next(rng) * (high - low))
 
 
 def gaussian(mean: float, st_dev: float, seed: int) -> Sampler:
@@ -54,12 +54,12 @@ def gaussian(mean: float, st_dev: float, seed: int) -> Sampler:
     systems differ in the last bit.
     """
     finite(mean, st_dev)
-    chance = draws(check_seed(seed))
+    rng = draws(check_seed(seed))
 
     def draw() -> float:
         total = -6.0
         # One by one: sum() of Python 3.12 makes up for what is lost in rounding, and C# does not.
-        for number in islice(chance, 12):
+        for number in islice(rng, 12):
             total += number
         return to_float32(mean + st_dev * total)
 
@@ -75,10 +75,10 @@ def multi_range_uniform(bounds: list[float], seed: int) -> Sampler:
     length = 0.0
     for low, high in intervals:
         length += high - low
-    chance = draws(check_seed(seed))
+    rng = draws(check_seed(seed))
 
     def draw() -> float:
-        at = next(chance) * length
+        at = next(rng) * length
         for low, high in intervals:
             if at <= high - low:
                 break

@@ -40,22 +40,22 @@ class AgentSimulator(SimulatorBase):
 
     def do(self, request: Record) -> Record:
         agents = list(self.game.agents)
-        if len(request.marks) != len(agents):
-            raise MessageError("wrong-agents", f"{len(request.marks)} rows, but there are {len(agents)} agents")
-        judged: dict[str, dict[str, Any]]
-        if set(request.marks) == {RESET}:
+        if len(request.flags) != len(agents):
+            raise MessageError("wrong-agents", f"{len(request.flags)} rows, but there are {len(agents)} agents")
+        outcomes: dict[str, dict[str, Any]]
+        if set(request.flags) == {RESET}:
             (seed, *_) = struct.unpack(f"<{len(agents)}q", request.numbers)
             self.game.reset(draws(seed), options_in(request))
             self.living = agents
             self.episodes += 1
-            judged = {agent: {} for agent in agents}
+            outcomes = {agent: {} for agent in agents}
         else:
-            self.game.apply(self.actions(dict(zip(agents, zip(request.marks, request.rows, strict=True), strict=True))))
+            self.game.apply(self.actions(dict(zip(agents, zip(request.flags, request.rows, strict=True), strict=True))))
             self.steps += 1
-            judged = {agent: self.game.judge(agent) for agent in self.living}
-        rows = [self.bytes[name][0].write(self.game.observe(name)) if name in judged else b"" for name in agents]
-        answer = answer_to(request, agents, [judged.get(name, {}) for name in agents], rows, self.game.infos.take())
-        over = {name for name, ends in zip(agents, answer.marks, strict=True) if ends}
+            outcomes = {agent: self.game.reward_and_end(agent) for agent in self.living}
+        rows = [self.bytes[name][0].write(self.game.observe(name)) if name in outcomes else b"" for name in agents]
+        answer = answer_to(request, agents, [outcomes.get(name, {}) for name in agents], rows, self.game.infos.take())
+        over = {name for name, ends in zip(agents, answer.flags, strict=True) if ends}
         self.living = [name for name in self.living if name not in over]
         return answer
 
@@ -77,12 +77,12 @@ class AgentSimulator(SimulatorBase):
         if type(info) is not dict:
             raise MessageError("bad-info", f"an info is a dict, not {info!a:.40}")
         self.game.on_info(agent, info)
-        told = self.game.infos.take()
-        return Message("told", request.id, {}, [trees.array_of(told)])
+        infos = self.game.infos.take()
+        return Message("told", request.id, {}, [trees.array_of(infos)])
 
 
 def info_of(request: Message) -> tuple[str, Any]:
-    """Whom an info is for, "" for the environment, and what it is."""
+    """An info: the agent that it is for, or "" for the environment, and its value."""
     pair = trees.read(request.arrays[0].data) if len(request.arrays) == 1 else None
     if type(pair) is not list or len(pair) != 2 or not isinstance(pair[0], str):
         raise MessageError("bad-info", f"{pair!a:.40} is no name with an info")

@@ -41,19 +41,19 @@ def options_in(request: Record) -> dict[str, Any]:
 
 
 def answer_to(
-    request: Record, names: Sequence[str], judged: list[dict[str, Any]], rows: list[bytes], options: bytes = b""
+    request: Record, names: Sequence[str], outcomes: list[dict[str, Any]], rows: list[bytes], options: bytes = b""
 ) -> Record:
-    """`judged` has the reward and the ends of each that has stepped; whatever else is in it is its info."""
+    """`outcomes` has the reward and the ends of each that has stepped; whatever else is in it is its info."""
     numbers = []
-    marks = []
+    flags = []
     infos = []
-    for name, one in zip(names, judged, strict=True):
+    for name, one in zip(names, outcomes, strict=True):
         info = dict(one)
         numbers.append(reward_of(name, info.pop("reward", 0.0)))
         ended = TERMINATED if info.pop("terminated", False) else 0
-        marks.append(ended | (TRUNCATED if info.pop("truncated", False) else 0))
+        flags.append(ended | (TRUNCATED if info.pop("truncated", False) else 0))
         infos.append(write_dict(info, "info") if info else b"")
-    return Record(ANSWERS, request.id, rewards(numbers), marks, rows, infos, options)
+    return Record(ANSWERS, request.id, rewards(numbers), flags, rows, infos, options)
 
 
 def reward_of(name: str, reward: Any) -> float:

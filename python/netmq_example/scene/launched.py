@@ -33,5 +33,5 @@ def wait(launcher: int) -> None:
     except OSError:
         # The pipe is closed, too.
         pass
-    # Whatever this program is waiting for.
+    # This program may be waiting for anything.
     os._exit(1)

@@ -48,7 +48,7 @@ class Obs:
 class Agent:
     """Your own derives from it, and has on_reset, on_action, on_tick and on_info as it needs them.
 
-    They set `reward`, `terminated` and `truncated`, append to `infos`, and draw numbers from `chance`. An agent that
+    They set `reward`, `terminated` and `truncated`, append to `infos`, and draw numbers from `rng`. An agent that
     has ended has no more ticks until the next reset.
     """
 
@@ -57,9 +57,9 @@ class Agent:
         self.sources = declared(type(self), name)
         self.begin(draws(0), {})
 
-    def begin(self, chance: Iterator[float], options: dict[str, Any]) -> None:
+    def begin(self, rng: Iterator[float], options: dict[str, Any]) -> None:
         """A new episode: numbers from 0 to 1 that are the same for the same seed, and the options of reset."""
-        self.chance = chance
+        self.rng = rng
         self.options = options
         self.reward = 0.0
         self.terminated = False
@@ -144,44 +144,44 @@ class SceneSimulator(SimulatorBase):
         return Message("told", request.id)
 
     def do(self, request: Record) -> Record:
-        if RESET in request.marks:
+        if RESET in request.flags:
             said = options_in(request)
             self.reset_options = take(said, "options", dict)
             self.asked = [self.find(name) for name in take(said, "agents", list)]
-        if len(self.asked) != len(request.marks):
+        if len(self.asked) != len(request.flags):
             raise MessageError(
-                "wrong-agents", f"{len(request.marks)} rows, but {len(self.asked)} agents were asked for"
+                "wrong-agents", f"{len(request.flags)} rows, but {len(self.asked)} agents were asked for"
             )
-        orders = list(zip(self.asked, request.marks, request.rows, strict=True))
+        orders = list(zip(self.asked, request.flags, request.rows, strict=True))
         stepping = {agent: trees.read(row) for agent, order, row in orders if order == STEP}
         if stepping:
             self.step(stepping)
         self.reset(request)
-        judged = []
+        outcomes = []
         rows = []
         for agent, order, _ in orders:
-            judged.append(agent.take() if order else {})
+            outcomes.append(agent.take() if order else {})
             if order and self.infos:
-                judged[-1]["env"] = self.infos
+                outcomes[-1]["env"] = self.infos
             rows.append(self.seen(agent) if order else b"")
         self.infos = []
-        return answer_to(request, [agent.name for agent in self.asked], judged, rows)
+        return answer_to(request, [agent.name for agent in self.asked], outcomes, rows)
 
     def reset(self, request: Record) -> None:
-        seeds = struct.unpack(f"<{len(request.marks)}q", request.numbers)
+        seeds = struct.unpack(f"<{len(request.flags)}q", request.numbers)
         # Agents of one seed draw from the same numbers, one after the other.
-        chances = {seed: draws(seed) for seed in seeds}
+        rngs = {seed: draws(seed) for seed in seeds}
         resetting = {
-            agent: seed for agent, order, seed in zip(self.asked, request.marks, seeds, strict=True) if order == RESET
+            agent: seed for agent, order, seed in zip(self.asked, request.flags, seeds, strict=True) if order == RESET
         }
-        if len(resetting) == len(request.marks):
+        if len(resetting) == len(request.flags):
             self.infos = []
             # Also those for which Python does not ask: they move.
             for agent in self.agents.values():
                 resetting.setdefault(agent, seeds[0])
         for agent, seed in resetting.items():
-            agent.begin(chances[seed], self.reset_options)
-        for agent, order in zip(self.asked, request.marks, strict=True):
+            agent.begin(rngs[seed], self.reset_options)
+        for agent, order in zip(self.asked, request.flags, strict=True):
             if order == RESET:
                 agent.on_reset()
                 self.episodes += 1

@@ -9,32 +9,22 @@ envs/side_channels.py is the training's end, and records.py says where the excha
 """
 
 from netmq_example import check
-from netmq_example.messages import Message
 from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
-from netmq_example.scene.simulator import SimulatorBase
+from netmq_example.scene.simulator import SimulatorBase, SimulatorDecorator
 from netmq_example.wire.records import Record
 
 
-class SideChannelSimulator(SimulatorBase):
+class SideChannelSimulator(SimulatorDecorator):
     """Around any simulator."""
 
     def __init__(self, simulator: SimulatorBase, manager: SideChannelManager) -> None:
-        super().__init__(check.instance("simulator", simulator, SimulatorBase).name)
-        self.simulator = simulator
+        super().__init__(simulator)
         self.manager = check.instance("manager", manager, SideChannelManager)
-
-    def describe(self) -> Message:
-        return self.simulator.describe()
-
-    def say(self, request: Message) -> Message:
-        return self.simulator.say(request)
 
     def do(self, request: Record) -> Record:
         if request.exchange is not None:
             self.manager.take_in(request.exchange)
-        state = self.simulator.do(request)
-        self.episodes = self.simulator.episodes
-        self.steps = self.simulator.steps
+        state = super().do(request)
         if request.exchange is not None:
             state.exchange = bytes(self.manager.generate_side_channel_messages())
         return state

@@ -3,12 +3,12 @@
     class Ball(Simulation):                                      one agent: worlds/cart_pole.py is an example
         name, dt, size = "Ball", 0.02, 2
         observation, action = Box(-12, 12, (2,), np.float32), Discrete(3)
-        ...                                                      reset, apply, observe, judge
+        ...                                                      reset, apply, observe, reward_and_end
 
     class Tag(AgentSimulation): ...                              several agents: worlds/pursuit.py is an example
     RealTime(Tag())                                              goes on while Python thinks, if a reset asks for it
 
-`chance` gives numbers from 0 to 1, the same for the same seed. Simulator, AreaSimulator and AgentSimulator answer an
+`rng` gives numbers from 0 to 1, the same for the same seed. Simulator, AreaSimulator and AgentSimulator answer an
 environment's requests with them. In C# they are Simulation.cs, AgentSimulation.cs and RealTime.cs.
 """
 
@@ -52,9 +52,9 @@ class InfoQueue:
     def take(self) -> bytes:
         """All of them as a value, or nothing; and from then on the queue is empty."""
         lost = [["", {"dropped": self.dropped}]] if self.dropped else []
-        told = self.infos + lost
+        infos = self.infos + lost
         self.clear()
-        return trees.write(told) if told else b""
+        return trees.write(infos) if infos else b""
 
 
 class Simulation(ABC):
@@ -67,7 +67,7 @@ class Simulation(ABC):
     action: Space[Any]
 
     @abstractmethod
-    def reset(self, chance: Iterator[float], options: dict[str, Any], state: list[float]) -> None:
+    def reset(self, rng: Iterator[float], options: dict[str, Any], state: list[float]) -> None:
         """Begin an episode: by chance, or in a state if one is given: `size` numbers."""
 
     @abstractmethod
@@ -79,7 +79,7 @@ class Simulation(ABC):
         """The observation now, in the space `observation`."""
 
     @abstractmethod
-    def judge(self) -> dict[str, Any]:
+    def reward_and_end(self) -> dict[str, Any]:
         """The values reward, terminated and truncated, and any others for `info`."""
 
     def render(self) -> Any:
@@ -98,7 +98,7 @@ class AgentSimulation(ABC):
         self.infos = InfoQueue()
 
     @abstractmethod
-    def reset(self, chance: Iterator[float], options: dict[str, Any]) -> None:
+    def reset(self, rng: Iterator[float], options: dict[str, Any]) -> None:
         """Begin an episode, in which all agents live."""
 
     @abstractmethod
@@ -110,7 +110,7 @@ class AgentSimulation(ABC):
         """The agent's observation now."""
 
     @abstractmethod
-    def judge(self, agent: str) -> dict[str, Any]:
+    def reward_and_end(self, agent: str) -> dict[str, Any]:
         """The values reward, terminated and truncated, and any others for its info."""
 
     def on_info(self, agent: str, info: dict[str, Any]) -> None:  # noqa: B027, to override it is optional.
@@ -138,15 +138,15 @@ class RealTime(AgentSimulation):
         self.next = 0.0
         self.living: list[str] = []
         self.actions: dict[str, Any] = {}
-        self.verdicts: dict[str, dict[str, Any]] = {}
+        self.outcomes: dict[str, dict[str, Any]] = {}
 
-    def reset(self, chance: Iterator[float], options: dict[str, Any]) -> None:
-        self.game.reset(chance, options)
+    def reset(self, rng: Iterator[float], options: dict[str, Any]) -> None:
+        self.game.reset(rng, options)
         self.real = options.get("real_time") is True
         self.next = self.clock() + self.dt
         self.living = list(self.agents)
         self.actions = {}
-        self.verdicts = {}
+        self.outcomes = {}
 
     def apply(self, actions: dict[str, Any]) -> None:
         # The tick that is due now has the new actions, those before it the old ones.
@@ -164,18 +164,18 @@ class RealTime(AgentSimulation):
         if self.living:
             self.game.apply({agent: self.actions[agent] for agent in self.living if agent in self.actions})
         for agent in self.living:
-            verdict = self.game.judge(agent)
-            if agent in self.verdicts:
-                verdict["reward"] += self.verdicts[agent]["reward"]
-            self.verdicts[agent] = verdict
-        over = {agent for agent, verdict in self.verdicts.items() if verdict["terminated"] or verdict["truncated"]}
+            outcome = self.game.reward_and_end(agent)
+            if agent in self.outcomes:
+                outcome["reward"] += self.outcomes[agent]["reward"]
+            self.outcomes[agent] = outcome
+        over = {agent for agent, outcome in self.outcomes.items() if outcome["terminated"] or outcome["truncated"]}
         self.living = [agent for agent in self.living if agent not in over]
 
     def observe(self, agent: str) -> Any:
         return self.game.observe(agent)
 
-    def judge(self, agent: str) -> dict[str, Any]:
-        return self.verdicts.pop(agent)
+    def reward_and_end(self, agent: str) -> dict[str, Any]:
+        return self.outcomes.pop(agent)
 
     def on_info(self, agent: str, info: dict[str, Any]) -> None:
         self.game.on_info(agent, info)

@@ -88,6 +88,26 @@ class SimulatorBase(ABC):
         """Answer what is asked in words, such as render."""
 
 
+class SimulatorDecorator(SimulatorBase):
+    """Around any simulator: a class of its own changes the hello, or the resets and steps."""
+
+    def __init__(self, simulator: SimulatorBase) -> None:
+        super().__init__(check.instance("simulator", simulator, SimulatorBase).name)
+        self.simulator = simulator
+
+    def describe(self) -> Message:
+        return self.simulator.describe()
+
+    def say(self, request: Message) -> Message:
+        return self.simulator.say(request)
+
+    def do(self, request: Record) -> Record:
+        state = self.simulator.do(request)
+        self.episodes = self.simulator.episodes
+        self.steps = self.simulator.steps
+        return state
+
+
 class Simulator(SimulatorBase):
     """Answers reset, step and render for one simulation, or for many areas of one kind."""
 
@@ -112,27 +132,27 @@ class Simulator(SimulatorBase):
 
     def do(self, request: Record) -> Record:
         count = len(self.areas)
-        if len(request.marks) != count:
+        if len(request.flags) != count:
             cure = f"make_vec(…, num_envs={count}), and a name that is registered with vector_entry_point"
-            raise MessageError("wrong-areas", f"this simulator has {count} areas, not {len(request.marks)}: {cure}")
+            raise MessageError("wrong-areas", f"this simulator has {count} areas, not {len(request.flags)}: {cure}")
         # All actions are looked at before the first area moves: half a step would be none.
-        orders = list(zip(self.areas, request.marks, request.rows, strict=True))
+        orders = list(zip(self.areas, request.flags, request.rows, strict=True))
         actions = [self.actions.read(row) if order == STEP else None for _, order, row in orders]
-        options = options_in(request) if RESET in request.marks else {}
+        options = options_in(request) if RESET in request.flags else {}
         state = self.state_of(options.pop("state", []))
         seeds = struct.unpack(f"<{count}q", request.numbers)
-        judged: list[dict[str, Any]] = []
+        outcomes: list[dict[str, Any]] = []
         for at, (area, order, _) in enumerate(orders):
-            judged.append({})
+            outcomes.append({})
             if order == STEP:
                 area.apply(actions[at])
-                judged[at] = area.judge()
+                outcomes[at] = area.reward_and_end()
                 self.steps += 1
             elif order == RESET:
                 area.reset(draws(seeds[at]), options, state)
                 self.episodes += 1
         seen = [self.observations.write(area.observe()) for area in self.areas]
-        return answer_to(request, self.names, judged, seen)
+        return answer_to(request, self.names, outcomes, seen)
 
     def state_of(self, given: Any) -> list[float]:
         """In which an episode begins; nothing, if it begins by chance."""
@@ -239,7 +259,7 @@ class EnvironmentClient:
         idle = silence if isinstance(silence, float) and 0 < silence < IDLE_SECONDS else IDLE_SECONDS
         try:
             while (request := self.receive(socket, idle)).kind != "close":
-                if isinstance(request, Record) and RESET in request.marks and 0 < count <= simulator.episodes:
+                if isinstance(request, Record) and RESET in request.flags and 0 < count <= simulator.episodes:
                     return
                 socket.send_multipart(simulator.answer(request))
             # Milliseconds for the last answer, which would be dropped without them.

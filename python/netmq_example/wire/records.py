@@ -1,7 +1,7 @@
 """Resets and steps as bytes: what an environment asks of its simulator and what that answers, each in one frame.
 
     request = Record(ASKS, 7, seeds([0]), [STEP], [action])
-    record = read(ASKS, request.frame())                                record.rows[0], record.marks[0]
+    record = read(ASKS, request.frame())                                record.rows[0], record.flags[0]
     answer = Record(ANSWERS, record.id, rewards([1.0]), [TERMINATED], [seen])
 
 All numbers are little-endian; n is how many there are, areas or agents, each of which has a row.
@@ -43,16 +43,16 @@ EACH = 17
 
 
 class Record:
-    """`numbers` are the bytes of seeds or rewards, `marks` orders or ends; without an exchange that is None."""
+    """`numbers` are the bytes of seeds or rewards, `flags` orders or ends; without an exchange that is None."""
 
-    __slots__ = ("exchange", "id", "infos", "kind", "marks", "numbers", "options", "rows")
+    __slots__ = ("exchange", "flags", "id", "infos", "kind", "numbers", "options", "rows")
 
     def __init__(
         self,
         kind: int,
         id: int,
         numbers: Any,
-        marks: Iterable[int],
+        flags: Iterable[int],
         rows: Sequence[Any],
         infos: Sequence[Any] = (),
         options: Any = b"",
@@ -61,18 +61,18 @@ class Record:
         self.kind = kind
         self.id = id
         self.numbers = numbers
-        self.marks = bytes(marks)
+        self.flags = bytes(flags)
         self.rows = rows
         self.infos = infos or [b""] * len(rows)
         self.options = options
         self.exchange = exchange
 
     def frame(self) -> bytes:
-        count = len(self.marks)
+        count = len(self.flags)
         exchange = b"" if self.exchange is None else self.exchange
         head = HEAD.pack(self.kind, self.exchange is not None, 0, count, self.id, len(self.options), len(exchange))
         sizes = struct.pack(f"<{2 * count}I", *map(len, self.rows), *map(len, self.infos))
-        whole = b"".join((head, self.numbers, sizes, self.marks, self.options, exchange, *self.rows, *self.infos))
+        whole = b"".join((head, self.numbers, sizes, self.flags, self.options, exchange, *self.rows, *self.infos))
         if len(whole) > LIMIT:
             raise too_big(len(whole))
         return whole
@@ -98,7 +98,7 @@ def read(kind: int, frame: Any) -> Record:
         raise too_big(len(view))
     if len(view) < HEAD.size:
         raise bad("it ends too early")
-    found, flags, _, count, id, options, exchange = HEAD.unpack_from(view)
+    found, has_exchange, _, count, id, options, exchange = HEAD.unpack_from(view)
     # An id beyond EXACT could not be named in an error, which is a message.
     if found != kind or not 0 < count <= len(view) // EACH or not 0 <= id < EXACT:
         raise bad(f"kind {found}, id {id} and {count} rows cannot be")
@@ -107,15 +107,15 @@ def read(kind: int, frame: Any) -> Record:
     if len(view) < begin:
         raise bad("it ends too early")
     sizes = struct.unpack_from(f"<{2 * count}I", view, at)
-    marks = bytes(view[begin - count : begin])
-    if max(marks) > (RESET if kind == ASKS else TERMINATED | TRUNCATED | ABSENT):
-        raise bad(f"mark {max(marks)} is none")
+    flags = bytes(view[begin - count : begin])
+    if max(flags) > (RESET if kind == ASKS else TERMINATED | TRUNCATED | ABSENT):
+        raise bad(f"mark {max(flags)} is none")
     ends = list(itertools.accumulate((options, exchange, *sizes), initial=begin))
     if ends[-1] != len(view):
         raise bad(f"it has {len(view)} bytes in place of {ends[-1]}")
     parts = [view[one:other] for one, other in itertools.pairwise(ends)]
     rows, infos = parts[2 : 2 + count], parts[2 + count :]
-    return Record(kind, id, view[HEAD.size : at], marks, rows, infos, parts[0], parts[1] if flags & 1 else None)
+    return Record(kind, id, view[HEAD.size : at], flags, rows, infos, parts[0], parts[1] if has_exchange & 1 else None)
 
 
 def too_big(size: int) -> MessageError:
@@ -140,7 +140,7 @@ def rewards(numbers: Sequence[float]) -> bytes:
 
 def rewards_in(answer: Record) -> tuple[float, ...]:
     """One for each row. MessageError if one is not finite: whoever learned from it would know nothing any more."""
-    numbers: tuple[float, ...] = struct.unpack(f"<{len(answer.marks)}d", answer.numbers)
+    numbers: tuple[float, ...] = struct.unpack(f"<{len(answer.flags)}d", answer.numbers)
     for number in numbers:
         if not math.isfinite(number):
             raise MessageError("bad-reward", f"the reward is {number}")

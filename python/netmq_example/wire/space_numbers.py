@@ -22,7 +22,7 @@ class Codec(ABC):
 
     @abstractmethod
     def read(self, view: memoryview, at: int) -> tuple[Any, int]:
-        """What begins there, and where it ends."""
+        """Return the value that begins there, and where it ends."""
 
     def write_block(self, count: int, values: Any, blocks: list[Any]) -> None:
         """Of a fixed size: uint8 [count, …] for each part."""
@@ -48,7 +48,7 @@ class Numbers(Codec):
         self.high = high
         # One number has no array around it: np.int64(1), as Discrete samples it.
         self.single = isinstance(space, spaces.Discrete)
-        # Whatever the bytes of a picture are, they are in the space.
+        # All bytes that a picture can have are in the space.
         whole = np.iinfo(self.dtype) if self.dtype.kind in "iu" else None
         self.checked = not whole or bool(np.any(low > whole.min)) or bool(np.any(high < whole.max))
 

@@ -30,7 +30,7 @@ from gymnasium.spaces import Space
 from netmq_example.messages import MessageError
 from netmq_example.wire import trees
 
-# What Gymnasium's constructors and numpy raise, and reading past the end.
+# Gymnasium's constructors and numpy raise these, and so does reading past the end.
 REASONS = (*trees.REASONS, AssertionError, ArithmeticError, AttributeError)
 
 

@@ -1,7 +1,7 @@
 """SplitMix64: numbers drawn by chance, the same in every language for the same seed.
 
-    chance = draws(7)
-    next(chance)                0.3898297483912715, at least 0 and less than 1
+    rng = draws(7)
+    next(rng)                0.3898297483912715, at least 0 and less than 1
 
 The generator is that of Steele, Lea and Flood, *Fast splittable pseudorandom number generators*, 2014; a number is the
 upper 53 bits of what it gives. In C# it is Chance, in Simulation.cs. It needs only Python.

@@ -33,7 +33,7 @@ class EngineConfig(NamedTuple):
 
     @staticmethod
     def default_config() -> "EngineConfig":
-        """What ML-Agents trains with: a small window, 20 times as fast."""
+        """ML-Agents trains with these: a small window, 20 times as fast."""
         return EngineConfig(80, 80, 1, 20.0, -1, 60)
 
 

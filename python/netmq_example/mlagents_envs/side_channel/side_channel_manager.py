@@ -33,7 +33,7 @@ log = logging.getLogger("netmq_example.envs")
 
 
 class SideChannelManager:
-    """The channels of one exchange. What could not be delivered, or not yet, is logged, unless `report` takes it."""
+    """The channels of one exchange. A message that could not be delivered yet is logged, unless `report` takes it."""
 
     def __init__(
         self, side_channels: Sequence[Channel] | None = None, report: Callable[[str], object] = log.warning
