@@ -17,7 +17,7 @@ KEY = "10_many_agents"
 from gymnasium.spaces import Box  # noqa: E402
 
 from netmq_example.envs import ZmqParallelEnv, ZmqVectorEnv  # noqa: E402
-from netmq_example.envs.parallel_env import LONGEST_INFO, told_in  # noqa: E402
+from netmq_example.envs.parallel_env import LONGEST_INFO, infos_in  # noqa: E402
 from netmq_example.errors import Lost  # noqa: E402
 from netmq_example.messages import EXACT, Message, MessageError  # noqa: E402
 from netmq_example.scene.agents import AgentSimulator  # noqa: E402
@@ -248,7 +248,7 @@ def test_a_reward_that_is_no_number_is_the_simulations_mistake():
 def test_what_is_told_and_is_no_info_is_named():
     for told in (5, "text", {"": {}}, [5], [["", []]], [["", {}, {}]], [[1, {}]], [["a"]]):
         with pytest.raises(MessageError, match=r"^bad-info: .* is no agent and its info$"):
-            told_in(trees.write(told))
+            infos_in(trees.write(told))
 
 
 def hello_of(*names):

@@ -5,6 +5,7 @@ What a channel makes of any bytes is asked of tests/lessons/checks and, in the s
 
 from __future__ import annotations
 
+import importlib
 import json
 import math
 import random
@@ -342,6 +343,24 @@ def test_a_channel_moves_over_by_one_word_of_its_imports(text):
     exec(
         compile(text.replace("mlagents_envs", "netmq_example.mlagents_envs"), "moved.py", "exec"), {"__name__": "moved"}
     )
+
+
+@pytest.mark.parametrize(
+    ("place", "name"),
+    [
+        ("environment", "UnityEnvironment"),
+        ("base_env", "ActionTuple"),
+        ("exception", "UnitySideChannelException"),
+        ("side_channel", "SideChannelManager"),
+        ("side_channel.raw_side_channel", "SideChannel"),
+    ],
+)
+def test_the_place_of_version_0_3_has_the_same_class(place, name, monkeypatch):
+    for loaded in [each for each in sys.modules if each.startswith(f"netmq_example.{place.split('.')[0]}")]:
+        monkeypatch.delitem(sys.modules, loaded)
+    with pytest.warns(DeprecationWarning, match=rf"netmq_example\.{place.split('.')[0]} is "):
+        former = importlib.import_module(f"netmq_example.{place}")
+    assert getattr(former, name) is getattr(importlib.import_module(f"netmq_example.mlagents_envs.{place}"), name)
 
 
 # Where the two halves of ML-Agents do not agree, and what else Python alone decides

@@ -22,6 +22,7 @@ import zmq
 
 from netmq_example import arguments, check
 from netmq_example.envs.launch import END_SECONDS, QUIET, end_program, program, say_waiting, start_program, why_ended
+from netmq_example.envs.words import no_others
 from netmq_example.errors import Lost, Timeout
 from netmq_example.finalizers import finalizer
 from netmq_example.messages import LIMIT, Message, MessageError
@@ -36,12 +37,6 @@ FREE_PORT = "tcp://127.0.0.1:*"
 RESEND_SECONDS = 1.0
 # The answers to requests in words; other kinds of messages are ignored.
 ANSWERS = {"render": "picture", "info": "told", "close": "closed"}
-# gymize's words, each with what is written today.
-GYMIZES = {
-    "agent_names": "several agents are the keys of observation_spaces, and a single one is agent_name",
-    "update_seconds": "leave it out",
-    "reward_range": "leave it out",
-}
 
 Accept = Callable[[Message], None]
 
@@ -81,8 +76,7 @@ class Connection(OneProcess):
     def is_welcomed(self, accept: Accept) -> bool:
         """Whether the next message was the hello of a simulator, which then is the peer."""
         peer, hello = self.receive()
-        # Lesson 17's hub says that it is there. To answer it would be taken for a request.
-        if hello is None or (isinstance(hello, Message) and hello.kind == "alive"):
+        if hello is None:
             return False
         if not isinstance(hello, Message) or hello.kind != "hello":
             # It was given up, and has not noticed.
@@ -291,11 +285,3 @@ def bound(endpoint: str, example: str = ENDPOINT) -> zmq.Socket[bytes]:
         cure = f"close() the environment that has it, or give this one its own endpoint, such as {FREE_PORT}"
         raise cannot_listen(endpoint, error, cure) from None
     return socket
-
-
-def no_others(words: dict[str, object]) -> None:
-    """An environment takes no words but its own."""
-    known = "where its simulator is, say endpoint, launch, wait, timeout and socket"
-    cures = dict.fromkeys(GYMIZES.get(word, known) for word in words)
-    if cures:
-        raise TypeError(f"an environment takes no {', '.join(words)}; {'; '.join(cures)}")

@@ -9,7 +9,8 @@ build only; write another one wherever yours computes differently.
 
 from netmq_example import check
 from netmq_example.messages import Message
-from netmq_example.scene.simulator import SimulatorBase, SimulatorDecorator
+from netmq_example.scene.decorator import SimulatorDecorator
+from netmq_example.scene.simulator import SimulatorBase
 
 
 class FleetSimulator(SimulatorDecorator):

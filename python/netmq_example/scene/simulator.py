@@ -88,26 +88,6 @@ class SimulatorBase(ABC):
         """Answer what is asked in words, such as render."""
 
 
-class SimulatorDecorator(SimulatorBase):
-    """Around any simulator: a class of its own changes the hello, or the resets and steps."""
-
-    def __init__(self, simulator: SimulatorBase) -> None:
-        super().__init__(check.instance("simulator", simulator, SimulatorBase).name)
-        self.simulator = simulator
-
-    def describe(self) -> Message:
-        return self.simulator.describe()
-
-    def say(self, request: Message) -> Message:
-        return self.simulator.say(request)
-
-    def do(self, request: Record) -> Record:
-        state = self.simulator.do(request)
-        self.episodes = self.simulator.episodes
-        self.steps = self.simulator.steps
-        return state
-
-
 class Simulator(SimulatorBase):
     """Answers reset, step and render for one simulation, or for many areas of one kind."""
 
