@@ -181,7 +181,7 @@ def zeros(*lengths):
     return [bytes(length) for length in lengths]
 
 
-FINE = {"numbers": rewards([1, 1]), "marks": [0, 0], "rows": zeros(16, 16)}
+FINE = {"numbers": rewards([1, 1]), "flags": [0, 0], "rows": zeros(16, 16)}
 # What Record, info_in and trees refuse, tests of lessons 09 and 11 know.
 AREAS = {
     "NaN": ({"numbers": rewards([1, float("nan")])}, "bad-reward: the rewards are"),
