@@ -59,11 +59,7 @@ class Listener:
             self.serve(peer)
 
     def serve(self, peer):
-<<<<<<< HEAD
-        """Answer a peer; it may end in an exception when the peer leaves."""
-=======
         """Serve a peer; it may end in an exception when the peer leaves."""
->>>>>>> origin/ta71
 
     def __exit__(self, *_):
         for each in self.open:

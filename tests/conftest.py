@@ -32,11 +32,7 @@ if sys.platform == "win32":
     signal.signal(signal.SIGBREAK, signal.default_int_handler)
 
 
-<<<<<<< HEAD
 # The caches of matplotlib and others would go into the home of whoever runs the tests.
-=======
-# Else matplotlib and others would keep their things in the user's home.
->>>>>>> origin/ta71
 KEPT = tempfile.TemporaryDirectory()
 os.environ.update(MPLCONFIGDIR=KEPT.name, XDG_CACHE_HOME=KEPT.name)
 

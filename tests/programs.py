@@ -107,11 +107,7 @@ class MovingName:
 
 
 def leaves_nothing_to_collect(cost: str) -> bool:
-<<<<<<< HEAD
-    """FrameCost has printed this: no garbage of each frame. On a busy machine a queue grows now and then."""
-=======
     """By the line of FrameCost: no frame makes garbage. On a busy machine a queue grows now and then."""
->>>>>>> origin/ta71
     frames, dirty = map(int, re.search(r"(\d+) frames: .* bytes allocated in (\d+) frames$", cost).groups())
     return dirty <= max(2, frames // 50)
 

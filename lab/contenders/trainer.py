@@ -32,7 +32,7 @@ import zmq  # noqa: E402
 from collector import ACTION, seen_space  # noqa: E402
 
 import netmq_example.envs  # noqa: E402, F401, it registers the environments.
-from netmq_example.records import ANSWERS, ASKS, STEP, Record, rewards, seeds  # noqa: E402
+from netmq_example.wire.records import ANSWERS, ASKS, STEP, Record, rewards, seeds  # noqa: E402
 
 CONSOLE, LAB = sys.argv[1:3]
 

@@ -1,8 +1,4 @@
-<<<<<<< HEAD
-// The cost of lesson 04's client for the main thread: run the callback of what came back, and ask once, in each frame.
-=======
 // Lesson 04's client costs the main thread this in each frame: a callback for each reply, and one request.
->>>>>>> origin/csharp71
 using System;
 using UnityEngine;
 using UnityPlayer;

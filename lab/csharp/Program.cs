@@ -99,11 +99,7 @@ namespace NetMQExample.Lab
             return FormattableString.Invariant($"{{\"messages\":{messages},\"seconds\":{took:F6},\"waits\":[{listed}]}}");
         }
 
-<<<<<<< HEAD
-        // The player's log, with the line "measured: …", comes before the answer.
-=======
         // The player's own log, with the line "measured: …", comes before the answer.
->>>>>>> origin/csharp71
         private static string Frames(string endpoint, string count)
         {
             var player = new Player(typeof(MeasuredBackground).Assembly);

@@ -13,8 +13,7 @@ sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
 from netmq_example.asking import client_options, connected
-from netmq_example.console import printable
-from netmq_example.program import LARGEST_BYTES, Socket, receive, run, text_of, whole
+from netmq_example.program import LARGEST_BYTES, Socket, printable, receive, run, text_of, whole
 
 
 def request(socket: Socket, text: str, timeout: float) -> str:

@@ -11,9 +11,8 @@ from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 from netmq_example.asking import at_least_one, client_options
-from netmq_example.console import printable
 from netmq_example.lazy_pirate import LazyPirate
-from netmq_example.program import run, whole
+from netmq_example.program import printable, run, whole
 
 
 def main() -> None:

@@ -31,11 +31,10 @@ from netmq_example.replies import id_and_text
 
 def answer(db: Connection, text: str) -> str:
     """Your own work goes here. Its changes in the database and the journal's entry are one transaction."""
-    asked = re.fullmatch(r"add ([0-9]{1,9})|balance", text)
-    if not asked:
+    if not (asked := re.fullmatch(r"add ([0-9]{1,9})|balance", text)):
         return "error: expected 'add 1' or 'balance'"
-    db.execute("UPDATE account SET balance = balance + ?", (int(asked[1] or 0),))
-    return str(db.execute("SELECT balance FROM account").fetchone()[0])
+    change = "UPDATE account SET balance = balance + ? RETURNING balance"
+    return str(db.execute(change, (int(asked[1] or 0),)).fetchone()[0])
 
 
 def main() -> None:

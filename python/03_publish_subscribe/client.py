@@ -17,8 +17,7 @@ sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
 from netmq_example.asking import client_options
-from netmq_example.console import printable
-from netmq_example.program import run, seconds, whole
+from netmq_example.program import printable, run, seconds, whole
 from netmq_example.topic_listener import TopicListener
 
 

@@ -14,9 +14,8 @@ from pathlib import Path
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 from netmq_example.asking import at_least_one, client_options
 from netmq_example.background_client import BackgroundClient, ClientState
-from netmq_example.console import printable
 from netmq_example.errors import Error
-from netmq_example.program import run, whole
+from netmq_example.program import printable, run, whole
 
 
 def play(client: BackgroundClient, text: str, count: int, naive: bool) -> None:

@@ -13,10 +13,9 @@ sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
 from netmq_example.asking import client_options, connected
-from netmq_example.console import printable
 from netmq_example.errors import Refused
 from netmq_example.messages import LIMIT, Array, Message
-from netmq_example.program import Socket, receive, run, whole
+from netmq_example.program import Socket, printable, receive, run, whole
 
 
 def picture(number: int) -> Message:

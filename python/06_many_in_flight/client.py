@@ -12,10 +12,9 @@ from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 from netmq_example.asking import at_least_one, client_options
-from netmq_example.console import printable
 from netmq_example.errors import Error
 from netmq_example.many_requester import ManyRequester
-from netmq_example.program import run, whole
+from netmq_example.program import printable, run, whole
 
 TEXT = "sleep 0.8|echo one|sleep 0.5|echo two|sleep 0.2|echo three"
 

@@ -14,9 +14,8 @@ import time
 from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
-from netmq_example.console import show
 from netmq_example.extras import importing
-from netmq_example.program import run
+from netmq_example.program import run, show
 
 with importing("numpy: pip install numpy, or let kit.py run 8 do it", stopped="stopped"):
     from drive import Drive, drive_options

@@ -14,9 +14,8 @@ from collections.abc import Callable
 from netmq_example.asking import at_least_one, client_options
 from netmq_example.camera.client import Action
 from netmq_example.camera.pictures import encode
-from netmq_example.console import printable
 from netmq_example.messages import Array, Message
-from netmq_example.program import whole
+from netmq_example.program import printable, whole
 from netmq_example.worlds.road import CAMERAS, STEP_SECONDS, Car, DrawnCamera, Road
 
 # Steps without an action, after which the car brakes: half a second.

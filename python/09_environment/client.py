@@ -4,7 +4,7 @@
     python python/09_environment/client.py --world Car    lesson 08's car on its road
     python python/09_environment/client.py --count 3      leave after so many episodes: the environment has lost it
 
-Bytes: records, see netmq_example/records.py and spaces.py.
+Bytes: records, see netmq_example/wire/records.py and spaces.py.
 """
 
 import sys
@@ -12,16 +12,15 @@ from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 from netmq_example.asking import client_options
-from netmq_example.console import show
 from netmq_example.extras import importing
-from netmq_example.program import run, whole
+from netmq_example.program import run, show, whole
 
 with importing("gymnasium; pip install gymnasium, or let kit.py run 9 do it", stopped="stopped"):
-    from netmq_example.simulation.simulator import EnvironmentClient, Simulator
+    from netmq_example.scene.simulator import EnvironmentClient, Simulator
     from netmq_example.worlds.cart_pole import CartPole
     from netmq_example.worlds.road_car import RoadCar
 
-# A world has reset, apply, which is a step, observe and judge: yours can stand here.
+# A world has reset, apply, which is a step, observe and reward_and_end: yours can stand here.
 WORLDS = {"CartPole": CartPole, "Car": RoadCar}
 
 

@@ -5,7 +5,7 @@
     python python/09_environment/server.py --world Car    and a client with --world Car
 
 Plays ten episodes with each simulator that comes, and prints a line for each.
-Bytes: records, see netmq_example/records.py and spaces.py.
+Bytes: records, see netmq_example/wire/records.py and spaces.py.
 Trouble: stop the simulator in an episode; start a second one meanwhile.
 """
 
@@ -16,9 +16,8 @@ from typing import Any
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.console import show
 from netmq_example.extras import importing
-from netmq_example.program import Socket, listening, run, server_options
+from netmq_example.program import Socket, listening, run, server_options, show
 from netmq_example.trouble import Trouble
 
 with importing("gymnasium; pip install gymnasium, or let kit.py run 9 do it"):

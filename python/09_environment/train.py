@@ -24,9 +24,9 @@ with importing("gymnasium; pip install gymnasium, or let kit.py run 9 do it", st
     import learning_curve
 
     import netmq_example.envs.gym_env  # noqa: F401, it registers the environments.
-    from netmq_example.cross_entropy import GOAL, STEPS, play, train
     from netmq_example.extras import pip_install
     from netmq_example.messages import MessageError
+    from netmq_example.worlds.cross_entropy import GOAL, STEPS, play, train
 
 
 def figure(path: str) -> str:

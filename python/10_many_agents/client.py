@@ -5,7 +5,7 @@
     python python/10_many_agents/client.py --world Car --areas 16         sixteen of lesson 08's cars, each on its road
     python python/10_many_agents/client.py --count 3                      leave after so many games
 
-Bytes: records, see records.py, simulation/agents.py and simulation/areas.py.
+Bytes: records, see records.py, scene/agents.py and scene/areas.py.
 """
 
 import sys
@@ -13,16 +13,15 @@ from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 from netmq_example.asking import client_options
-from netmq_example.console import show
 from netmq_example.extras import importing
-from netmq_example.program import run, whole
+from netmq_example.program import run, show, whole
 
 with importing("gymnasium; kit.py run 10 installs it", stopped="stopped"):
     import players
 
-    from netmq_example.simulation.agents import AgentSimulator
-    from netmq_example.simulation.areas import AreaSimulator
-    from netmq_example.simulation.simulator import EnvironmentClient
+    from netmq_example.scene.agents import AgentSimulator
+    from netmq_example.scene.areas import AreaSimulator
+    from netmq_example.scene.simulator import EnvironmentClient
     from netmq_example.worlds.cart_pole import CartPole
     from netmq_example.worlds.pursuit import Pursuit
     from netmq_example.worlds.road_car import RoadCar

@@ -7,7 +7,7 @@
 
 Plays ten games of hunters and rabbits with each simulator that comes, and prints a line for each; or 1000 steps of all
 areas.
-Bytes: records, see records.py, simulation/agents.py and simulation/areas.py. Trouble: stop the simulator in
+Bytes: records, see records.py, scene/agents.py and scene/areas.py. Trouble: stop the simulator in
 a game, which takes seconds with --real-time; start it with another number of areas.
 """
 
@@ -19,9 +19,8 @@ from typing import Any
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.console import show
 from netmq_example.extras import importing
-from netmq_example.program import listening, run, server_options
+from netmq_example.program import listening, run, server_options, show
 from netmq_example.trouble import Trouble
 
 with importing("gymnasium and pettingzoo; kit.py run 10 installs them"):

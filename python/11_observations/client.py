@@ -4,7 +4,7 @@
     python python/11_observations/client.py --agents 3     so many cars, each by itself: agent_0, agent_1, agent_2
     python python/11_observations/client.py --count 3      leave after so many episodes: the environment has lost it
 
-Bytes: records, see netmq_example/records.py and simulation/scene.py.
+Bytes: records, see netmq_example/wire/records.py and scene/scene.py.
 """
 
 import sys
@@ -12,13 +12,12 @@ from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 from netmq_example.asking import client_options
-from netmq_example.console import show
 from netmq_example.extras import importing
-from netmq_example.program import run, whole
+from netmq_example.program import run, show, whole
 
 with importing("gymnasium; kit.py run 11 installs it", stopped="stopped"):
-    from netmq_example.simulation.scene import SceneSimulator
-    from netmq_example.simulation.simulator import EnvironmentClient
+    from netmq_example.scene.scene import SceneSimulator
+    from netmq_example.scene.simulator import EnvironmentClient
     from netmq_example.worlds.coin_car import CoinCar
 
 

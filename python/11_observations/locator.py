@@ -4,7 +4,7 @@
     python python/11_observations/locator.py ".speed" --scope "car@.body"     prints: 'car'@['body']['speed'] = $
     python python/11_observations/locator.py "car@.speed["                    says at which column what was expected
 
-docs/guide/11_locators.md has the whole language, netmq_example/locator.py reads it.
+docs/guide/11_locators.md has the whole language, netmq_example/locator reads it.
 """
 
 import argparse

@@ -4,7 +4,7 @@
     dotnet run --project csharp-console -- 11             or: python python/11_observations/client.py
 
 A car collects coins; what it sees, its class has marked field by field. Plays ten episodes with each simulator that
-comes, by hand, and prints a line for each. Bytes: records, see netmq_example/records.py and simulation/scene.py.
+comes, by hand, and prints a line for each. Bytes: records, see netmq_example/wire/records.py and scene/scene.py.
 Trouble on command: `--wrong-space` declares a space that what is seen does not fit.
 """
 
@@ -15,9 +15,8 @@ from typing import Any
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.console import show
 from netmq_example.extras import importing
-from netmq_example.program import listening, run, server_options
+from netmq_example.program import listening, run, server_options, show
 from netmq_example.trouble import Trouble
 
 with importing("gymnasium; kit.py run 11 installs it"):

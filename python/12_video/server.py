@@ -17,9 +17,8 @@ from pathlib import Path
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.console import show
 from netmq_example.extras import importing
-from netmq_example.program import listening, option, run, seconds, server_options
+from netmq_example.program import listening, option, run, seconds, server_options, show
 
 with importing("numpy and pillow; kit.py run 12 installs them"):
     from netmq_example.errors import Error

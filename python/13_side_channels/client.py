@@ -17,9 +17,8 @@ import zmq
 from rounds import TROUBLES, Rounds
 
 from netmq_example.asking import client_options
-from netmq_example.console import show
-from netmq_example.program import run, whole
-from netmq_example.side_channel.carrier import ClientCarrier
+from netmq_example.mlagents_envs.carrier import ClientCarrier
+from netmq_example.program import run, show, whole
 
 
 def main() -> None:

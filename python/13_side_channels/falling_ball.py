@@ -17,11 +17,11 @@ from typing import Any
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 from netmq_example.asking import client_endpoint
 from netmq_example.extras import importing
+from netmq_example.mlagents_envs.side_channel.environment_parameters_channel import EnvironmentParametersChannel
+from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
+from netmq_example.mlagents_envs.side_channel.stats_side_channel import StatsSideChannel
+from netmq_example.mlagents_envs.unity_channels import EnvironmentParameters, StatsRecorder
 from netmq_example.program import run
-from netmq_example.side_channel.environment_parameters_channel import EnvironmentParametersChannel
-from netmq_example.side_channel.side_channel_manager import SideChannelManager
-from netmq_example.side_channel.stats_side_channel import StatsSideChannel
-from netmq_example.side_channel.unity_channels import EnvironmentParameters, StatsRecorder
 
 with importing("gymnasium; pip install gymnasium, or let kit.py run 13 do it", stopped="stopped"):
     import numpy as np
@@ -29,9 +29,9 @@ with importing("gymnasium; pip install gymnasium, or let kit.py run 13 do it", s
 
     from netmq_example.envs.gym_env import ZmqEnv
     from netmq_example.envs.side_channels import carry
-    from netmq_example.simulation.side_channels import SideChannelSimulator
-    from netmq_example.simulation.simulation import Simulation
-    from netmq_example.simulation.simulator import EnvironmentClient, Simulator
+    from netmq_example.scene.side_channels import SideChannelSimulator
+    from netmq_example.scene.simulation import Simulation
+    from netmq_example.scene.simulator import EnvironmentClient, Simulator
 
 
 def drop(gravity: float) -> None:
@@ -67,7 +67,7 @@ class Ball(Simulation):
         self.parameters = EnvironmentParameters()
         self.stats = StatsRecorder()
 
-    def reset(self, chance: Iterator[float], options: dict[str, Any], state: list[float]) -> None:
+    def reset(self, rng: Iterator[float], options: dict[str, Any], state: list[float]) -> None:
         self.height = state[0] if state else 2.0
         self.speed = 0.0
 
@@ -80,7 +80,7 @@ class Ball(Simulation):
     def observe(self) -> Any:
         return np.array([self.height], np.float32)
 
-    def judge(self) -> dict[str, Any]:
+    def reward_and_end(self) -> dict[str, Any]:
         return {"reward": 0.0, "terminated": self.height <= 0, "truncated": False}
 
 

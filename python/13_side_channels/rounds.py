@@ -9,13 +9,13 @@ import time
 import uuid
 from collections.abc import Callable
 
-from netmq_example.exception import UnitySideChannelException
-from netmq_example.side_channel import IncomingMessage, OutgoingMessage, SideChannel
-from netmq_example.side_channel.float_properties_channel import FloatPropertiesChannel
-from netmq_example.side_channel.raw_bytes_channel import RawBytesChannel
-from netmq_example.side_channel.side_channel_manager import SideChannelManager
-from netmq_example.side_channel.stats_side_channel import StatsAggregationMethod
-from netmq_example.side_channel.unity_channels import EngineSettings, EnvironmentParameters, StatsRecorder, describe
+from netmq_example.mlagents_envs.exception import UnitySideChannelException
+from netmq_example.mlagents_envs.side_channel import IncomingMessage, OutgoingMessage, SideChannel
+from netmq_example.mlagents_envs.side_channel.float_properties_channel import FloatPropertiesChannel
+from netmq_example.mlagents_envs.side_channel.raw_bytes_channel import RawBytesChannel
+from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
+from netmq_example.mlagents_envs.side_channel.stats_side_channel import StatsAggregationMethod
+from netmq_example.mlagents_envs.unity_channels import EngineSettings, EnvironmentParameters, StatsRecorder, describe
 from netmq_example.trouble import Trouble
 
 # The errors that --trouble makes.

@@ -16,13 +16,13 @@ sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 from trainer import PrintedStats, SeenRounds, report
 
+from netmq_example.mlagents_envs.carrier import Carrier
+from netmq_example.mlagents_envs.side_channel import IncomingMessage, OutgoingMessage, SideChannel
+from netmq_example.mlagents_envs.side_channel.engine_configuration_channel import EngineConfigurationChannel
+from netmq_example.mlagents_envs.side_channel.environment_parameters_channel import EnvironmentParametersChannel
+from netmq_example.mlagents_envs.side_channel.side_channel import LARGEST_EXCHANGE_BYTES
+from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
 from netmq_example.program import listening, run, server_options
-from netmq_example.side_channel import IncomingMessage, OutgoingMessage, SideChannel
-from netmq_example.side_channel.carrier import Carrier
-from netmq_example.side_channel.engine_configuration_channel import EngineConfigurationChannel
-from netmq_example.side_channel.environment_parameters_channel import EnvironmentParametersChannel
-from netmq_example.side_channel.side_channel import LARGEST_EXCHANGE_BYTES
-from netmq_example.side_channel.side_channel_manager import SideChannelManager
 
 
 class StringLogChannel(SideChannel):

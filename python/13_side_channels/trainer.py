@@ -2,9 +2,9 @@
 
 import functools
 
-from netmq_example.side_channel import IncomingMessage
-from netmq_example.side_channel.float_properties_channel import FloatPropertiesChannel
-from netmq_example.side_channel.stats_side_channel import StatsSideChannel
+from netmq_example.mlagents_envs.side_channel import IncomingMessage
+from netmq_example.mlagents_envs.side_channel.float_properties_channel import FloatPropertiesChannel
+from netmq_example.mlagents_envs.side_channel.stats_side_channel import StatsSideChannel
 from netmq_example.trouble import Trouble
 
 

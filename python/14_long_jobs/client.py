@@ -15,11 +15,10 @@ sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 from progress import Progress, share, words
 
 from netmq_example.asking import at_least_one, client_options
-from netmq_example.console import printable
 from netmq_example.errors import Error
 from netmq_example.jobs.client import JobClient, job_id
 from netmq_example.messages import Message
-from netmq_example.program import option, run, whole
+from netmq_example.program import option, printable, run, whole
 
 
 def follow(client: JobClient, request: Message, leave_at: int = 0, cancel_at: int = 0) -> Message | None:

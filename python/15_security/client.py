@@ -15,8 +15,7 @@ sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
 from netmq_example.asking import at_least_one, client_options, wrong_usage
-from netmq_example.console import printable
-from netmq_example.program import run, whole
+from netmq_example.program import printable, run, whole
 from netmq_example.security.requester import ClientKeys, SecureRequester
 
 

@@ -16,8 +16,7 @@ sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
 from netmq_example.asking import client_endpoint
-from netmq_example.console import show
-from netmq_example.program import Context, Socket, limit, listening, more_files, run, server_options
+from netmq_example.program import Context, Socket, limit, listening, more_files, run, server_options, show
 from netmq_example.security.allow_list import AllowList, keys_for
 from netmq_example.trouble import Trouble
 

@@ -19,9 +19,8 @@ from pathlib import Path
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.console import show
 from netmq_example.large import receive_frames
-from netmq_example.program import Context, Socket, listening, reply_to, run, server_options, text_of
+from netmq_example.program import Context, Socket, listening, reply_to, run, server_options, show, text_of
 from netmq_example.security.allow_list import AllowList, keys_for
 
 REFUSED = b"error: your key is not on the list, or not any more"

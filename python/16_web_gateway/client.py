@@ -13,9 +13,8 @@ from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 from netmq_example.asking import client_options
-from netmq_example.console import printable
 from netmq_example.extras import importing
-from netmq_example.program import run, whole
+from netmq_example.program import printable, run, whole
 
 with importing("aiohttp and python-socketio; kit.py run 16 installs them", stopped="stopped"):
     from netmq_example.web.requester import WebSocketRequester

@@ -29,9 +29,8 @@ from pathlib import Path
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 from netmq_example import check
 from netmq_example.asking import at_least_one, client_endpoint
-from netmq_example.console import show
 from netmq_example.extras import importing
-from netmq_example.program import option, run
+from netmq_example.program import option, run, show
 from netmq_example.tap.arrows import Arrows, recording
 from netmq_example.tap.passing import FATES, Link, Trouble
 from netmq_example.trouble import Trouble as Lines

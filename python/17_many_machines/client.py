@@ -6,7 +6,7 @@
     python python/17_many_machines/client.py --crash-after 200        trouble: it ends in the middle of an episode
     python python/17_many_machines/client.py --delay 8                trouble: so many seconds for each step
 
-Bytes: those of lesson 09, see netmq_example/simulation/simulator.py.
+Bytes: those of lesson 09, see netmq_example/scene/simulator.py.
 """
 
 import os
@@ -16,15 +16,14 @@ from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 from netmq_example.asking import client_options
-from netmq_example.console import show
 from netmq_example.extras import importing
-from netmq_example.program import run, seconds, whole
+from netmq_example.program import run, seconds, show, whole
 from netmq_example.security.requester import client_keys
 
 with importing("gymnasium; kit.py run 17 installs it", stopped="stopped"):
     from netmq_example.fleet.simulator import FleetSimulator
-    from netmq_example.records import STEP, Record
-    from netmq_example.simulation.simulator import EnvironmentClient, Simulator
+    from netmq_example.scene.simulator import EnvironmentClient, Simulator
+    from netmq_example.wire.records import STEP, Record
     from netmq_example.worlds.cart_pole import CartPole
 
 
@@ -35,7 +34,7 @@ class Mortal(FleetSimulator):
     delay = 0.0
 
     def do(self, request: Record) -> Record:
-        if STEP in request.marks:
+        if STEP in request.flags:
             if 0 < self.crash_after <= self.steps:
                 show(f"crash after {self.steps} steps, as told")
                 os._exit(1)

@@ -30,7 +30,7 @@ with importing("gymnasium and ray; pip install gymnasium ray", stopped="stopped"
     import ray
 
     import netmq_example.envs.gym_env  # noqa: F401, it is the class of WORLD.
-    from netmq_example.cross_entropy import STEPS, Episode, play, train
+    from netmq_example.worlds.cross_entropy import STEPS, Episode, play, train
 
 LESSONS = Path(__file__).resolve().parents[1]
 WORLD = "netmq_example.envs:NetMQExample/CartPole-v0"

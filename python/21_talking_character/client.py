@@ -15,9 +15,8 @@ sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 from speech import Speech, a_prompt, ask
 
 from netmq_example.asking import at_least_one, client_options
-from netmq_example.console import printable
 from netmq_example.jobs.client import JobClient
-from netmq_example.program import option, run, whole
+from netmq_example.program import option, printable, run, whole
 
 
 def main() -> None:

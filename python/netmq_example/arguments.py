@@ -4,20 +4,12 @@ self.timeout = arguments.seconds("timeout", timeout)
 """
 
 import math
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, TypeVar
 
 from netmq_example.check import DAY, instance, is_number
 
 T = TypeVar("T")
-
-# What became of gymize's words.
-GYMIZES = {
-    "agent_names": "several agents are the keys of observation_spaces, and a single one is agent_name",
-    "update_seconds": "leave it out",
-    "reward_range": "leave it out",
-}
 
 
 def seconds(name: str, value: Any, least: float = 0.0) -> float:
@@ -92,11 +84,3 @@ def regular_file(path: Path, most: int) -> Path:
     if path.stat().st_size > most or not path.is_file():
         raise OSError(f"{path.name!r:.80} must be a regular file of at most {most} bytes")
     return path
-
-
-def no_others(words: Iterable[str]) -> None:
-    """An environment takes no words but its own."""
-    known = "where its simulator is, say endpoint, launch, wait, timeout and socket"
-    cures = dict.fromkeys(GYMIZES.get(word, known) for word in words)
-    if cures:
-        raise TypeError(f"an environment takes no {', '.join(words)}; {'; '.join(cures)}")

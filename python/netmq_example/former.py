@@ -6,6 +6,9 @@ class LazyPirate:
 """
 
 import functools
+import importlib
+import pkgutil
+import sys
 import warnings
 from collections.abc import Callable
 from typing import Any, ParamSpec, TypeVar, cast
@@ -49,3 +52,10 @@ def is_former(args: tuple[Any, ...], words: dict[str, Any], names: tuple[str, ..
     first = args[0] if args else None
     is_long = len(args) > 1 and names[0] == "endpoint"
     return "report" in words or isinstance(first, zmq.Context | zmq.Socket) or is_long
+
+
+def moved(old: str, new: str) -> None:
+    """For a module that only imports the names of its new place; the modules of a package are the same ones there."""
+    warnings.warn(f"{old} is {new} now, and ends with the next version", DeprecationWarning, stacklevel=3)
+    for each in pkgutil.iter_modules(getattr(sys.modules[new], "__path__", ())):
+        sys.modules[f"{old}.{each.name}"] = importlib.import_module(f"{new}.{each.name}")

@@ -29,6 +29,8 @@ from typing import Any, TypeVar
 import zmq
 
 from netmq_example import check, console
+from netmq_example.console import printable as printable
+from netmq_example.console import show as show
 from netmq_example.errors import Error, ListenError, MessageError, Misfit
 
 Context = zmq.Context[zmq.Socket[bytes]]

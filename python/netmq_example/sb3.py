@@ -36,7 +36,7 @@ try:
 except ImportError as error:
     raise without(error) from None
 
-from netmq_example.space_bytes import together
+from netmq_example.wire.space_bytes import together
 
 __all__ = ["Areas", "PlainSpaces"]
 
@@ -126,7 +126,7 @@ def of_one(batch: Any, area: int) -> Any:
 
 
 def said_of(infos: dict[str, Any], area: int) -> dict[str, Any]:
-    """What Gymnasium's infos of a vector have of one: beside each name stands _name, which says whose it is."""
+    """The info of one area in a vector's infos, where _name beside each name says which areas have it."""
     said = {}
     for name, values in infos.items():
         if f"_{name}" in infos and infos[f"_{name}"][area]:
@@ -159,7 +159,7 @@ class Plain:
         self.done = done
         self.observation_space = seen
         self.action_space = done
-        # What each part of what is seen is taken by, and how many numbers are done; nothing where a space stays.
+        # The look of each part of an observation, and the count of an action's numbers; none where a space stays.
         self.parts: dict[str, Look] = {}
         self.numbers = 0
         flat = isinstance(seen, spaces.Dict) and all(isinstance(part, ARRAYS) for part in seen.values())

@@ -26,7 +26,7 @@ text = pydoc.plain(pydoc.render_doc(netmq_example))
 names = [name for name in netmq_example.__all__ if name != "__version__"]
 print(*(name for name in names if name not in text or not getattr(netmq_example, name)))
 """
-OTHERS = ["body", "camera", "fleet", "jobs", "security", "side_channel", "video", "web"]
+OTHERS = ["body", "camera", "fleet", "jobs", "security", "video", "web"]
 
 
 def test_it_loads_nothing_and_needs_pyzmq_alone():
@@ -75,13 +75,13 @@ SHAPES = {
     "body.BodyListener": {"topic": "pose/0/"},
     "fleet.FleetSocket": {"name": "CartPole", "areas": 1},
     "video.Films": {},
-    "side_channel.ClientCarrier": {"context": zmq.Context.instance()},
+    "mlagents_envs.carrier.ClientCarrier": {"context": zmq.Context.instance()},
 }
 
 
 @pytest.mark.parametrize("name", SHAPES)
 def test_what_has_a_socket_shows_its_endpoint_and_is_closed_once(name):
-    room, _, kind = name.partition(".")
+    room, _, kind = name.rpartition(".")
     try:
         made = getattr(importlib.import_module(f"netmq_example.{room}"), kind)
     except ImportError as lacking:

@@ -14,8 +14,9 @@ import pytest
 import zmq
 
 from kitlib.setup import dotnet
-from netmq_example import console, records
+from netmq_example import console
 from netmq_example.messages import Message
+from netmq_example.wire import records
 from tests.conftest import PYTHON
 from tests.machines import Machines
 from tests.programs import LIMIT, ROOT

@@ -21,10 +21,10 @@ from gymnasium.utils.env_checker import check_env  # noqa: E402
 
 LESSON, ID = ROOT / "python" / "09_environment", "NetMQExample/CartPole-v0"
 import netmq_example.envs  # noqa: E402
-from netmq_example import cross_entropy  # noqa: E402
 from netmq_example.messages import MessageError  # noqa: E402
-from netmq_example.simulation.simulator import Simulator  # noqa: E402
-from netmq_example.split_mix import draws  # noqa: E402
+from netmq_example.scene.simulator import Simulator  # noqa: E402
+from netmq_example.wire.split_mix import draws  # noqa: E402
+from netmq_example.worlds import cross_entropy  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 from netmq_example.worlds.road_car import RoadCar  # noqa: E402
 
@@ -237,7 +237,7 @@ class Bare(gymnasium.Env):  # type: ignore[name-defined]
 
     def step(self, action):
         self.world.apply(action)
-        return self.world.observe(), *self.world.judge().values(), {}
+        return self.world.observe(), *self.world.reward_and_end().values(), {}
 
 
 def trained(caplog, seed, generations):

@@ -22,15 +22,26 @@ np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: kit.py run 9 in
 
 KEY, ID = "09_environment", "NetMQExample/CartPole-v0"
 LESSON = ROOT / "python" / KEY
-from netmq_example import trees  # noqa: E402
 from netmq_example.envs.common import frames_per_second  # noqa: E402
 from netmq_example.envs.connection import bound  # noqa: E402
 from netmq_example.messages import Array, Message, MessageError  # noqa: E402
-from netmq_example.records import ABSENT, ANSWERS, ASKS, RESET, STEP, TERMINATED, Record, read_frames, rewards, seeds  # noqa: E402
-from netmq_example.simulation.simulator import EnvironmentClient, Simulator  # noqa: E402
-from netmq_example.space_bytes import Bytes  # noqa: E402
-from netmq_example.spaces import described  # noqa: E402
-from netmq_example.split_mix import draws  # noqa: E402
+from netmq_example.scene.simulator import EnvironmentClient, Simulator  # noqa: E402
+from netmq_example.wire import trees  # noqa: E402
+from netmq_example.wire.records import (  # noqa: E402
+    ABSENT,
+    ANSWERS,
+    ASKS,
+    RESET,
+    STEP,
+    TERMINATED,
+    Record,
+    read_frames,
+    rewards,
+    seeds,
+)
+from netmq_example.wire.space_bytes import Bytes  # noqa: E402
+from netmq_example.wire.spaces import described  # noqa: E402
+from netmq_example.wire.split_mix import draws  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 
 each_client = pytest.mark.parametrize("kind", CLIENTS)
@@ -56,7 +67,7 @@ def state(request, *seen, reward=1.0, mark=0, info=b""):
 
 
 def is_step(request):
-    return request.kind == ASKS and request.marks == bytes([STEP])
+    return request.kind == ASKS and request.flags == bytes([STEP])
 
 
 def process(env):

@@ -25,15 +25,15 @@ np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: kit.py run 9 in
 
 KEY = "09_environment"
 LESSON = ROOT / "python" / KEY
-from netmq_example import trees  # noqa: E402
-from netmq_example.cross_entropy import play, train  # noqa: E402
 from netmq_example.envs import ZmqEnv  # noqa: E402
 from netmq_example.envs.connection import Connection, Simulators, name_of  # noqa: E402
 from netmq_example.messages import Message, MessageError  # noqa: E402
-from netmq_example.records import ANSWERS, ASKS, STEP, Record, read_frames, rewards, seeds  # noqa: E402
-from netmq_example.simulation.simulator import EnvironmentClient, Simulator  # noqa: E402
-from netmq_example.split_mix import draws  # noqa: E402
+from netmq_example.scene.simulator import EnvironmentClient, Simulator  # noqa: E402
+from netmq_example.wire import trees  # noqa: E402
+from netmq_example.wire.records import ANSWERS, ASKS, STEP, Record, read_frames, rewards, seeds  # noqa: E402
+from netmq_example.wire.split_mix import draws  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
+from netmq_example.worlds.cross_entropy import play, train  # noqa: E402
 from netmq_example.worlds.road_car import RoadCar  # noqa: E402
 
 CLIENT = [str(PYTHON), str(LESSON / "client.py"), "--timeout", "30"]
@@ -231,17 +231,17 @@ def test_a_judge_may_count_in_whole_numbers_and_in_numpys():
     class Mine(CartPole):
         dt = 1
 
-        def judge(self):
+        def reward_and_end(self):
             return {"reward": 1, "terminated": np.bool_(False), "truncated": 0}
 
     simulator = Simulator(Mine())
     assert type(simulator.hello().values["dt"]) is float
     answer = read_frames(ANSWERS, simulator.answer(step(1, 1)))
-    assert (answer.numbers, answer.marks) == (rewards([1.0]), b"\0")
+    assert (answer.numbers, answer.flags) == (rewards([1.0]), b"\0")
 
 
 @pytest.mark.parametrize(
-    ("judged", "text"),
+    ("outcomes", "text"),
     [
         ({"reward": ONE}, "bad-reward: the reward of CartPole is OldArray([2.]), which is no number"),
         ({"reward": None}, "bad-reward: the reward of CartPole is None, which is no number"),
@@ -249,10 +249,10 @@ def test_a_judge_may_count_in_whole_numbers_and_in_numpys():
         ({"seen": {1, 2}}, "bad-tree: info 'seen' cannot be sent: set has no place in a message"),
     ],
 )
-def test_what_a_judge_cannot_say_is_named(judged, text):
+def test_what_a_judge_cannot_say_is_named(outcomes, text):
     class Mine(CartPole):
-        def judge(self):
-            return judged
+        def reward_and_end(self):
+            return outcomes
 
     answer = read_frames(ANSWERS, Simulator(Mine()).answer(step(1, 1)))
     assert f"{answer.values['code']}: {answer.values['text']}" == text

@@ -26,7 +26,7 @@ sys.path.append(str(ROOT / "python" / "11_observations"))
 from collector import ACTION, seen_space  # noqa: E402
 
 from netmq_example import envs  # noqa: E402
-from netmq_example.simulation.simulator import Simulator  # noqa: E402
+from netmq_example.scene.simulator import Simulator  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 
 ID = "NetMQExample/CartPole-v0"
@@ -35,8 +35,8 @@ posix = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signa
 SCENE = f"""
 import sys
 sys.path.append({str(ROOT / "python")!r})
-from netmq_example.simulation.scene import SceneSimulator
-from netmq_example.simulation.simulator import EnvironmentClient
+from netmq_example.scene.scene import SceneSimulator
+from netmq_example.scene.simulator import EnvironmentClient
 from netmq_example.worlds.coin_car import CoinCar
 *names, _, endpoint = sys.argv[1:]
 EnvironmentClient(endpoint, timeout=60).run(SceneSimulator("Coins", 0.1, [CoinCar(name) for name in names]))

@@ -37,17 +37,17 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv  # noqa: E402
 from gymnasium.vector.utils import iterate  # noqa: E402
 from gymnasium.wrappers import TimeLimit  # noqa: E402
 
-from netmq_example import trees  # noqa: E402
 from netmq_example.envs import ZmqEnv, ZmqVectorEnv  # noqa: E402
 from netmq_example.errors import Refused  # noqa: E402
 from netmq_example.messages import Message, MessageError  # noqa: E402
-from netmq_example.records import ASKS, RESET, STEP, Record, read, seeds  # noqa: E402
-from netmq_example.simulation.areas import AreaSimulator  # noqa: E402
-from netmq_example.simulation.simulation import Simulation  # noqa: E402
-from netmq_example.simulation.simulator import Simulator  # noqa: E402
-from netmq_example.space_bytes import Bytes  # noqa: E402
-from netmq_example.space_numbers import misfit  # noqa: E402
-from netmq_example.spaces import described, space_of  # noqa: E402
+from netmq_example.scene.areas import AreaSimulator  # noqa: E402
+from netmq_example.scene.simulation import Simulation  # noqa: E402
+from netmq_example.scene.simulator import Simulator  # noqa: E402
+from netmq_example.wire import trees  # noqa: E402
+from netmq_example.wire.records import ASKS, RESET, STEP, Record, read, seeds  # noqa: E402
+from netmq_example.wire.space_bytes import Bytes  # noqa: E402
+from netmq_example.wire.space_numbers import misfit  # noqa: E402
+from netmq_example.wire.spaces import described, space_of  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 
 GOLDEN = json.loads((ROOT / "tests" / "lessons" / "golden" / "09_environment.json").read_text(encoding="utf-8"))
@@ -124,7 +124,7 @@ class Echo(Simulation):
         self.name, self.observation, self.action = name, space, space
         self.said, self.steps = None, 0
 
-    def reset(self, chance, options, state):
+    def reset(self, rng, options, state):
         self.said, self.steps = options["say"], 0
 
     def apply(self, action):
@@ -134,7 +134,7 @@ class Echo(Simulation):
     def observe(self):
         return self.said
 
-    def judge(self):
+    def reward_and_end(self):
         steps = self.steps
         return {"reward": 0.5 * steps, "terminated": steps == 3, "truncated": steps == 4, "steps": steps}
 
@@ -401,14 +401,18 @@ class Walk(Echo):
     def __init__(self, space):
         super().__init__("Walk", space)
 
-    def reset(self, chance, options, state):
-        self.observation.seed(int(2**31 * next(chance)))
-        self.last = int(state[0]) if state else 2 + int(5 * next(chance))
+    def reset(self, rng, options, state):
+        self.observation.seed(int(2**31 * next(rng)))
+        self.last = int(state[0]) if state else 2 + int(5 * next(rng))
         self.said, self.steps = self.observation.sample(), 0
 
-    def judge(self):
+    def reward_and_end(self):
         over = self.steps == self.last
-        return {**super().judge(), "terminated": over and self.last % 2, "truncated": over and not self.last % 2}
+        return {
+            **super().reward_and_end(),
+            "terminated": over and self.last % 2,
+            "truncated": over and not self.last % 2,
+        }
 
 
 WALKS = {

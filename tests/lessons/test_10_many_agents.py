@@ -27,15 +27,15 @@ from pettingzoo.utils.conversions import parallel_to_aec  # noqa: E402
 
 KEY, AREAS = "10_many_agents", 4
 sys.path.append(str(ROOT / "python" / KEY))
-from netmq_example import trees  # noqa: E402
 from netmq_example.envs import ZmqParallelEnv  # noqa: E402
 from netmq_example.envs.launch import game  # noqa: E402
 from netmq_example.messages import Message, MessageError  # noqa: E402
-from netmq_example.records import ASKS, NOTHING, RESET, STEP, Record, seeds  # noqa: E402
-from netmq_example.simulation.agents import AgentSimulator  # noqa: E402
-from netmq_example.simulation.areas import AreaSimulator  # noqa: E402
-from netmq_example.simulation.simulation import AgentSimulation, InfoQueue, RealTime  # noqa: E402
-from netmq_example.space_bytes import Bytes  # noqa: E402
+from netmq_example.scene.agents import AgentSimulator  # noqa: E402
+from netmq_example.scene.areas import AreaSimulator  # noqa: E402
+from netmq_example.scene.simulation import AgentSimulation, InfoQueue, RealTime  # noqa: E402
+from netmq_example.wire import trees  # noqa: E402
+from netmq_example.wire.records import ASKS, NOTHING, RESET, STEP, Record, seeds  # noqa: E402
+from netmq_example.wire.space_bytes import Bytes  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 from netmq_example.worlds.pursuit import Pursuit  # noqa: E402
 from netmq_example.worlds.road_car import RoadCar  # noqa: E402
@@ -241,9 +241,9 @@ def test_an_agent_nobody_knows_and_an_action_outside_its_space(played):
     with pytest.raises(ValueError, match="agent 'ghost' is none of"):
         played.send_info({}, "ghost")
     mixed = steps(0, 0, 0, 0, 0)
-    mixed.marks = bytes([RESET, STEP, STEP, STEP, STEP])
+    mixed.flags = bytes([RESET, STEP, STEP, STEP, STEP])
     partly = steps(0, 0, 0, 0, 0)
-    partly.marks = bytes([STEP, STEP, NOTHING, STEP, STEP])
+    partly.flags = bytes([STEP, STEP, NOTHING, STEP, STEP])
     for request, text in (
         (steps(0, 0, 0, 0, 5), r"not-in-space: .* is not in Discrete\(5\)"),
         (steps(0, 0, 0, 0), "wrong-agents: 4 rows, but there are 5 agents"),
@@ -272,7 +272,7 @@ class Post(AgentSimulation):
     letter = spaces.Dict(OrderedDict(says=spaces.Text(5, min_length=0), times=spaces.Discrete(4)))
     agents: ClassVar = {"ann": (stamped, letter), "bob": (says, spaces.Sequence(spaces.Discrete(5)))}
 
-    def reset(self, chance, options):
+    def reset(self, rng, options):
         self.written, self.stamps, self.steps = options.get("says", ""), [], 0
 
     def apply(self, actions):
@@ -286,7 +286,7 @@ class Post(AgentSimulation):
         stamps = tuple(np.array([stamp, stamp / 2], np.float32) for stamp in self.stamps)
         return self.written if agent == "bob" else {"says": self.written, "stamps": stamps}
 
-    def judge(self, agent):
+    def reward_and_end(self, agent):
         ends = {"terminated": agent == "ann" and self.steps == 4, "truncated": agent == "bob" and self.steps == 6}
         return {"reward": len(self.stamps), "read": [self.written, len(self.stamps)], **ends}
 
@@ -418,35 +418,35 @@ def test_what_the_clock_has_seen_is_made_up_for():
     now[0] = 0.105
     shell.apply(left)
     assert ticks == [left]
-    assert (inner.place["hunter_0"][0], shell.judge("hunter_0")["reward"]) == pytest.approx((-0.05, -0.01))
+    assert (inner.place["hunter_0"][0], shell.reward_and_end("hunter_0")["reward"]) == pytest.approx((-0.05, -0.01))
     now[0] = 0.505
     shell.apply(right)
     assert ticks == [left, left, left, left, right]
     assert inner.place["hunter_0"][0] == pytest.approx(-0.05 * 4 + 0.05)
-    assert shell.judge("hunter_0")["reward"] == pytest.approx(-0.04)
+    assert shell.reward_and_end("hunter_0")["reward"] == pytest.approx(-0.04)
     now[0] = 1000
     shell.catch_up(now[0])
-    assert shell.judge("hunter_0")["terminated"] and inner.energy["hunter_0"] == 0, "and not after the end"
+    assert shell.reward_and_end("hunter_0")["terminated"] and inner.energy["hunter_0"] == 0, "and not after the end"
 
 
 def test_on_the_clock_whoever_is_over_is_judged_no_more():
-    """By one of the two ways; what is judged once stands until it is asked for."""
+    """By one of the two ways; what is outcomes once stands until it is asked for."""
 
     class Ends(Pursuit):
-        def judge(self, agent):
-            judged.append(agent)
+        def reward_and_end(self, agent):
+            outcomes.append(agent)
             ends = "terminated" if agent == "hunter_0" else "truncated" if agent == "hunter_1" else ""
             return {"reward": 1.0, "terminated": ends == "terminated", "truncated": ends == "truncated"}
 
-    judged, now = [], [0.0]
+    outcomes, now = [], [0.0]
     shell = RealTime(Ends(), lambda: now[0])
     shell.reset(iter([0.5] * 10), {"real_time": True})
     shell.apply(dict.fromkeys(shell.agents, 0))
     now[0] = 0.305
     shell.catch_up(now[0])
-    assert (judged.count("hunter_0"), judged.count("hunter_1")) == (1, 1)
-    others = [agent for agent in shell.agents if judged.count(agent) != 1]
-    assert others and all(judged.count(agent) == 3 for agent in others), judged
+    assert (outcomes.count("hunter_0"), outcomes.count("hunter_1")) == (1, 1)
+    others = [agent for agent in shell.agents if outcomes.count(agent) != 1]
+    assert others and all(outcomes.count(agent) == 3 for agent in others), outcomes
 
 
 # The game by its path

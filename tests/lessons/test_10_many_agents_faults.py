@@ -14,15 +14,15 @@ pytest.importorskip("pettingzoo", reason="lesson 10 needs pettingzoo: kit.py run
 KEY = "10_many_agents"
 from gymnasium.spaces import Box  # noqa: E402
 
-from netmq_example import records, trees  # noqa: E402
 from netmq_example.envs import ZmqParallelEnv, ZmqVectorEnv  # noqa: E402
-from netmq_example.envs.parallel_env import LONGEST_INFO, told_in  # noqa: E402
+from netmq_example.envs.parallel_env import LONGEST_INFO, infos_in  # noqa: E402
 from netmq_example.errors import Lost  # noqa: E402
 from netmq_example.messages import EXACT, Message, MessageError  # noqa: E402
-from netmq_example.records import ANSWERS, ASKS, RESET, STEP, Record, rewards  # noqa: E402
-from netmq_example.simulation.agents import AgentSimulator  # noqa: E402
-from netmq_example.simulation.areas import AreaSimulator  # noqa: E402
-from netmq_example.simulation.simulation import RealTime  # noqa: E402
+from netmq_example.scene.agents import AgentSimulator  # noqa: E402
+from netmq_example.scene.areas import AreaSimulator  # noqa: E402
+from netmq_example.scene.simulation import RealTime  # noqa: E402
+from netmq_example.wire import records, trees  # noqa: E402
+from netmq_example.wire.records import ANSWERS, ASKS, RESET, STEP, Record, rewards  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 from netmq_example.worlds.pursuit import Pursuit  # noqa: E402
 
@@ -86,7 +86,7 @@ def test_who_is_lost_between_a_step_and_the_reset_in_it_ends_as_well(areas):
 
     def ask_and_kill(*request):
         answer = ask(*request)
-        if STEP in request[0].marks:
+        if STEP in request[0].flags:
             envs.simulator.lose()
         return answer
 
@@ -179,7 +179,7 @@ def zeros(*lengths):
     return [bytes(length) for length in lengths]
 
 
-FINE = {"numbers": rewards([1, 1]), "marks": [0, 0], "rows": zeros(16, 16)}
+FINE = {"numbers": rewards([1, 1]), "flags": [0, 0], "rows": zeros(16, 16)}
 # Tests of lessons 09 and 11 have what Record, info_in and trees refuse.
 AREAS = {
     "NaN": ({"numbers": rewards([1, float("nan")])}, "bad-reward: the rewards are"),
@@ -196,7 +196,7 @@ def test_a_wrong_state_of_areas_is_named(what, inside):
     wrong, text = AREAS[what]
 
     def answer(request):
-        given = {**FINE, **(wrong if STEP in request.marks else {})}
+        given = {**FINE, **(wrong if STEP in request.flags else {})}
         return [Record(ANSWERS, request.id, **given).frames()]
 
     simulator = inside(AreaSimulator([CartPole(), CartPole()]), answer)
@@ -233,7 +233,7 @@ def test_a_wrong_state_of_agents_is_named(wrong, text, inside):
 
 def test_a_reward_that_is_no_number_is_the_simulations_mistake():
     class Broken(Pursuit):
-        def judge(self, agent):
+        def reward_and_end(self, agent):
             return {"reward": float("nan"), "terminated": False, "truncated": False}
 
     simulator = AgentSimulator(Broken())
@@ -246,7 +246,7 @@ def test_a_reward_that_is_no_number_is_the_simulations_mistake():
 def test_what_is_told_and_is_no_info_is_named():
     for told in (5, "text", {"": {}}, [5], [["", []]], [["", {}, {}]], [[1, {}]], [["a"]]):
         with pytest.raises(MessageError, match=r"^bad-info: .* is no agent and its info$"):
-            told_in(trees.write(told))
+            infos_in(trees.write(told))
 
 
 def hello_of(*names):

@@ -26,9 +26,9 @@ from gymnasium.utils.env_checker import data_equivalence  # noqa: E402
 
 KEY = "10_many_agents"
 from netmq_example.envs import ZmqParallelEnv, ZmqVectorEnv  # noqa: E402
-from netmq_example.simulation.agents import AgentSimulator  # noqa: E402
-from netmq_example.simulation.areas import AreaSimulator  # noqa: E402
-from netmq_example.simulation.simulation import AgentSimulation  # noqa: E402
+from netmq_example.scene.agents import AgentSimulator  # noqa: E402
+from netmq_example.scene.areas import AreaSimulator  # noqa: E402
+from netmq_example.scene.simulation import AgentSimulation  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 
 
@@ -54,8 +54,8 @@ class Tag(AgentSimulation):
     name, dt = "Tag", 0.1
     agents: ClassVar = {"cat": SPACES, "mouse": SPACES}
 
-    def reset(self, chance, options):
-        self.place, self.steps = {"cat": -5, "mouse": 5 * next(chance)}, 0
+    def reset(self, rng, options):
+        self.place, self.steps = {"cat": -5, "mouse": 5 * next(rng)}, 0
 
     def apply(self, actions):
         self.steps += 1
@@ -66,7 +66,7 @@ class Tag(AgentSimulation):
     def observe(self, agent):
         return [self.place[agent], self.place["mouse" if agent == "cat" else "cat"]]
 
-    def judge(self, agent):
+    def reward_and_end(self, agent):
         caught = abs(self.place["cat"] - self.place["mouse"]) < 0.3
         reward = 0 if not caught else 1 if agent == "cat" else -1
         return {"reward": reward, "terminated": caught, "truncated": self.steps == 100}

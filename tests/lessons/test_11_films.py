@@ -24,7 +24,7 @@ pytest.importorskip("pettingzoo", reason="lesson 11 needs pettingzoo: kit.py run
 pytest.importorskip("PIL", reason="films need Pillow: kit.py run 12 installs it")
 
 from netmq_example.envs import UnityAECEnv, UnityGymEnv, UnityParallelEnv, UnityVectorEnv, rendering  # noqa: E402
-from netmq_example.simulation.scene import Agent, Obs, SceneSimulator  # noqa: E402
+from netmq_example.scene.scene import Agent, Obs, SceneSimulator  # noqa: E402
 from netmq_example.video.view_sender import FilmView, ViewSender  # noqa: E402
 from tests.lessons.test_12_video import shown  # noqa: E402
 

@@ -27,10 +27,10 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv  # noqa: E402
 from gymnasium.vector.utils import batch_space, concatenate, create_empty_array, iterate  # noqa: E402
 from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test  # noqa: E402
 
-from netmq_example import records, trees  # noqa: E402
 from netmq_example.envs import UnityAECEnv, UnityParallelEnv  # noqa: E402
 from netmq_example.messages import Message, MessageError  # noqa: E402
-from netmq_example.simulation.scene import Agent, SceneSimulator  # noqa: E402
+from netmq_example.scene.scene import Agent, SceneSimulator  # noqa: E402
+from netmq_example.wire import records, trees  # noqa: E402
 
 KEY = "11_observations"
 sys.path.append(str(ROOT / "python" / KEY))
@@ -394,7 +394,7 @@ def test_a_seed_reaches_those_whom_python_does_not_ask(alone):
     options = trees.write({"agents": ["a"], "options": {"x": 1}})
     reset = records.Record(records.ASKS, 1, records.seeds([5]), [records.RESET], [b""], options=options)
     SceneSimulator("World", 0.5, [one, other]).do(reset)
-    assert (other.chance, other.options) == (one.chance, {"x": 1}), "and in Python"
+    assert (other.rng, other.options) == (one.rng, {"x": 1}), "and in Python"
 
 
 def test_rewards_add_up_until_they_are_told(alone):

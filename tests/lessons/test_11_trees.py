@@ -21,11 +21,12 @@ np = pytest.importorskip("numpy", reason="lesson 11 needs numpy: kit.py run 11 i
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 11 needs gymnasium: kit.py run 11 installs it")
 from gymnasium import spaces  # noqa: E402
 
-from netmq_example import locator, trees  # noqa: E402
+from netmq_example import locator  # noqa: E402
 from netmq_example.envs import merge as fit  # noqa: E402
 from netmq_example.envs.merge import empty  # noqa: E402
 from netmq_example.locator import LocatorError  # noqa: E402
 from netmq_example.messages import MessageError  # noqa: E402
+from netmq_example.wire import trees  # noqa: E402
 
 PAGE = ROOT / "docs" / "guide" / "11_locators.md"
 

@@ -20,15 +20,15 @@ np = pytest.importorskip("numpy", reason="lesson 11 needs numpy: kit.py run 11 i
 pytest.importorskip("pettingzoo", reason="lesson 11 needs pettingzoo: kit.py run 10 installs it")
 from gymnasium import spaces  # noqa: E402
 
-from netmq_example import records, trees  # noqa: E402
 from netmq_example.envs import UnityAECEnv, UnityGymEnv, UnityParallelEnv, unity_env  # noqa: E402
 from netmq_example.envs import merge as fit  # noqa: E402
 from netmq_example.envs.plan import Sight  # noqa: E402
 from netmq_example.locator import parse  # noqa: E402
 from netmq_example.messages import Message, MessageError  # noqa: E402
-from netmq_example.records import Record  # noqa: E402
-from netmq_example.simulation.answers import hello_of  # noqa: E402
-from netmq_example.simulation.scene import Agent, Obs, SceneSimulator  # noqa: E402
+from netmq_example.scene.answers import hello_of  # noqa: E402
+from netmq_example.scene.scene import Agent, Obs, SceneSimulator  # noqa: E402
+from netmq_example.wire import records, trees  # noqa: E402
+from netmq_example.wire.records import Record  # noqa: E402
 
 KEY = "11_observations"
 ONE = spaces.Box(-9, 9, (2,), np.float32)

@@ -19,9 +19,9 @@ pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9
 import numpy as np
 from gymnasium.spaces import Box, Dict, Discrete, MultiDiscrete, Text
 
-from netmq_example.base_env import ActionTuple, DecisionStep, ObservationSpec, TerminalStep
-from netmq_example.environment import UnityEnvironment
-from netmq_example.exception import (
+from netmq_example.mlagents_envs.base_env import ActionTuple, DecisionStep, ObservationSpec, TerminalStep
+from netmq_example.mlagents_envs.environment import UnityEnvironment
+from netmq_example.mlagents_envs.exception import (
     UnityActionException,
     UnityCommunicationException,
     UnityCommunicatorStoppedException,
@@ -30,9 +30,9 @@ from netmq_example.exception import (
     UnityTimeOutException,
     UnityWorkerInUseException,
 )
-from netmq_example.side_channel.raw_bytes_channel import RawBytesChannel
-from netmq_example.simulation.simulation import Simulation
-from netmq_example.simulation.simulator import EnvironmentClient, Simulator
+from netmq_example.mlagents_envs.side_channel.raw_bytes_channel import RawBytesChannel
+from netmq_example.scene.simulation import Simulation
+from netmq_example.scene.simulator import EnvironmentClient, Simulator
 
 GUIDE = ROOT / "docs" / "guide"
 PAGE = (GUIDE / "from_ml_agents.md").read_text(encoding="utf-8")
@@ -44,8 +44,8 @@ CSHARP = {
     "using MLAgents.SideChannels;": "using NetMQExample.RawSideChannels;",
 }
 RAW = (
-    "from mlagents_envs.side_channel.side_channel import SideChannel",
-    "from netmq_example.side_channel.raw_side_channel import SideChannel",
+    "from netmq_example.mlagents_envs.side_channel.side_channel import SideChannel",
+    "from netmq_example.mlagents_envs.side_channel.raw_side_channel import SideChannel",
 )
 
 OLD_CHANNEL = """using MLAgents;
@@ -262,7 +262,8 @@ def test_the_example_of_the_documentation_runs(channel, register, script, tmp_pa
     script = script.replace("UnityEnvironment(side", f"UnityEnvironment(base_port={port}, side")
     # The player may compile for longer than Python waits by itself.
     script = script.replace("side_channels=[", f"timeout_wait={LIMIT}, side_channels=[")
-    script = (script.replace(*RAW) if old else script).replace("mlagents_envs", "netmq_example")
+    script = script.replace("mlagents_envs", "netmq_example.mlagents_envs")
+    script = script.replace(*RAW) if old else script
     (tmp_path / "log.py").write_text(script, encoding="utf-8")
     python = start(PYTHON, tmp_path / "log.py", PYTHONPATH=str(ROOT / "python"))
     files = [tmp_path / f"{name}.cs" for name in ("World", "StringLogSideChannel", "Register")]
@@ -307,8 +308,8 @@ class Corridor(Simulation):
     def __init__(self, action=None, last=(5, True)):
         self.action, (self.end, self.terminates) = action or Box(-1, 1, (2,)), last
 
-    def reset(self, chance, options, state):
-        self.first = next(chance)
+    def reset(self, rng, options, state):
+        self.first = next(rng)
         self.steps, self.done = 0, np.zeros(2)
 
     def apply(self, action):
@@ -318,7 +319,7 @@ class Corridor(Simulation):
     def observe(self):
         return {"done": self.done.astype(np.float32), "step": np.array(self.steps, np.float32)}
 
-    def judge(self):
+    def reward_and_end(self):
         over = self.steps == self.end
         return {"reward": 0.5, "terminated": over and self.terminates, "truncated": over and not self.terminates}
 

@@ -10,12 +10,15 @@ import time
 import zmq
 
 from kitlib.docs import guide
-from netmq_example.side_channel.carrier import Carrier
-from netmq_example.side_channel.engine_configuration_channel import EngineConfig, EngineConfigurationChannel
-from netmq_example.side_channel.float_properties_channel import FloatPropertiesChannel
-from netmq_example.side_channel.raw_bytes_channel import RawBytesChannel
-from netmq_example.side_channel.side_channel_manager import SideChannelManager
-from netmq_example.side_channel.unity_channels import EnvironmentParameters
+from netmq_example.mlagents_envs.carrier import Carrier
+from netmq_example.mlagents_envs.side_channel.engine_configuration_channel import (
+    EngineConfig,
+    EngineConfigurationChannel,
+)
+from netmq_example.mlagents_envs.side_channel.float_properties_channel import FloatPropertiesChannel
+from netmq_example.mlagents_envs.side_channel.raw_bytes_channel import RawBytesChannel
+from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
+from netmq_example.mlagents_envs.unity_channels import EnvironmentParameters
 from tests.conftest import PYTHON
 from tests.lessons.test_13_side_channels_bytes import (
     LOG,

@@ -4,6 +4,7 @@ answer the same questions.
 
 from __future__ import annotations
 
+import importlib
 import json
 import math
 import random
@@ -15,14 +16,17 @@ import uuid
 
 import pytest
 
-from netmq_example.exception import UnitySideChannelException
-from netmq_example.side_channel import IncomingMessage, OutgoingMessage, SideChannel
-from netmq_example.side_channel.engine_configuration_channel import EngineConfig, EngineConfigurationChannel
-from netmq_example.side_channel.float_properties_channel import FloatPropertiesChannel
-from netmq_example.side_channel.raw_bytes_channel import RawBytesChannel
-from netmq_example.side_channel.raw_side_channel import SideChannel as RawSideChannel
-from netmq_example.side_channel.side_channel_manager import SideChannelManager
-from netmq_example.side_channel.unity_channels import (
+from netmq_example.mlagents_envs.exception import UnitySideChannelException
+from netmq_example.mlagents_envs.side_channel import IncomingMessage, OutgoingMessage, SideChannel
+from netmq_example.mlagents_envs.side_channel.engine_configuration_channel import (
+    EngineConfig,
+    EngineConfigurationChannel,
+)
+from netmq_example.mlagents_envs.side_channel.float_properties_channel import FloatPropertiesChannel
+from netmq_example.mlagents_envs.side_channel.raw_bytes_channel import RawBytesChannel
+from netmq_example.mlagents_envs.side_channel.raw_side_channel import SideChannel as RawSideChannel
+from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
+from netmq_example.mlagents_envs.unity_channels import (
     EngineSettings,
     EnvironmentParameters,
     StatsRecorder,
@@ -322,7 +326,27 @@ assert channel.list_properties() == ["speed"] and channel.get_property_dict_copy
 
 @pytest.mark.parametrize("text", MOVED.values(), ids=MOVED)
 def test_a_channel_moves_over_by_one_word_of_its_imports(text):
-    exec(compile(text.replace("mlagents_envs", "netmq_example"), "moved.py", "exec"), {"__name__": "moved"})
+    exec(
+        compile(text.replace("mlagents_envs", "netmq_example.mlagents_envs"), "moved.py", "exec"), {"__name__": "moved"}
+    )
+
+
+@pytest.mark.parametrize(
+    ("place", "name"),
+    [
+        ("environment", "UnityEnvironment"),
+        ("base_env", "ActionTuple"),
+        ("exception", "UnitySideChannelException"),
+        ("side_channel", "SideChannelManager"),
+        ("side_channel.raw_side_channel", "SideChannel"),
+    ],
+)
+def test_the_place_of_version_0_3_has_the_same_class(place, name, monkeypatch):
+    for loaded in [each for each in sys.modules if each.startswith(f"netmq_example.{place.split('.')[0]}")]:
+        monkeypatch.delitem(sys.modules, loaded)
+    with pytest.warns(DeprecationWarning, match=rf"netmq_example\.{place.split('.')[0]} is "):
+        former = importlib.import_module(f"netmq_example.{place}")
+    assert getattr(former, name) is getattr(importlib.import_module(f"netmq_example.mlagents_envs.{place}"), name)
 
 
 # Where the two halves of ML-Agents do not agree, and what else Python alone decides

@@ -18,16 +18,16 @@ MOON = f"""
 import sys
 sys.path.insert(0, {str(ROOT / "python")!r})
 import numpy as np
-from netmq_example.simulation.simulator import EnvironmentClient
-from netmq_example.side_channel.environment_parameters_channel import EnvironmentParametersChannel
+from netmq_example.scene.simulator import EnvironmentClient
+from netmq_example.mlagents_envs.side_channel.environment_parameters_channel import EnvironmentParametersChannel
 from gymnasium.spaces import Box, Discrete
 from netmq_example.messages import MessageError
-from netmq_example.side_channel import OutgoingMessage
-from netmq_example.side_channel.side_channel_manager import SideChannelManager
-from netmq_example.simulation.simulation import Simulation
-from netmq_example.simulation.simulator import Simulator
-from netmq_example.side_channel.stats_side_channel import StatsSideChannel
-from netmq_example.simulation.side_channels import SideChannelSimulator
+from netmq_example.mlagents_envs.side_channel import OutgoingMessage
+from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
+from netmq_example.scene.simulation import Simulation
+from netmq_example.scene.simulator import Simulator
+from netmq_example.mlagents_envs.side_channel.stats_side_channel import StatsSideChannel
+from netmq_example.scene.side_channels import SideChannelSimulator
 
 class Parameters(EnvironmentParametersChannel):
     gravity = 9.75
@@ -36,7 +36,7 @@ class Parameters(EnvironmentParametersChannel):
 
 class Moon(Simulation):
     name, dt, size, observation, action = "Moon", 0.02, 1, Box(0, 100, (1,)), Discrete(9)
-    def reset(self, chance, options, state):
+    def reset(self, rng, options, state):
         self.gravity = len(state) + parameters.gravity
     def apply(self, action):
         message = OutgoingMessage()
@@ -46,33 +46,33 @@ class Moon(Simulation):
         stats.queue_message_to_send(message)
     def observe(self):
         return np.array([self.gravity], np.float32)
-    def judge(self):
+    def reward_and_end(self):
         return dict(reward=0, terminated=False, truncated=False)
 
 parameters, stats, simulator = Parameters(), StatsSideChannel(), Simulator(Moon())
 if "--areas" in sys.argv:
-    from netmq_example.simulation.areas import AreaSimulator
+    from netmq_example.scene.areas import AreaSimulator
     simulator = AreaSimulator([Moon(), Moon()])
 if "--lesson-10" in sys.argv:
-    from netmq_example.simulation.simulation import AgentSimulation
-    from netmq_example.simulation.agents import AgentSimulator
+    from netmq_example.scene.simulation import AgentSimulation
+    from netmq_example.scene.agents import AgentSimulator
 
     class Game(AgentSimulation):
         name, dt, agents, moon = "Moon", 0.02, dict(a=(Moon.observation, Moon.action)), Moon()
-        def reset(self, chance, options):
-            self.moon.reset(chance, options, [])
+        def reset(self, rng, options):
+            self.moon.reset(rng, options, [])
         def apply(self, actions):
             self.moon.apply(actions["a"])
         def observe(self, agent):
             return self.moon.observe()
-        def judge(self, agent):
-            return self.moon.judge()
+        def reward_and_end(self, agent):
+            return self.moon.reward_and_end()
 
     simulator = AgentSimulator(Game())
 if "--lesson-11" in sys.argv:
     from typing import Annotated
-    from netmq_example.simulation.scene import Agent, Obs
-    from netmq_example.simulation.scene import SceneSimulator
+    from netmq_example.scene.scene import Agent, Obs
+    from netmq_example.scene.scene import SceneSimulator
 
     class Lander(Agent, Moon):
         gravity: Annotated[float, Obs()] = 0.0
@@ -94,9 +94,9 @@ def moon(make, tmp_path):
     pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
     from netmq_example.envs.gym_env import ZmqEnv
     from netmq_example.envs.side_channels import carry
-    from netmq_example.side_channel.environment_parameters_channel import EnvironmentParametersChannel
-    from netmq_example.side_channel.side_channel_manager import SideChannelManager
-    from netmq_example.side_channel.stats_side_channel import StatsSideChannel
+    from netmq_example.mlagents_envs.side_channel.environment_parameters_channel import EnvironmentParametersChannel
+    from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
+    from netmq_example.mlagents_envs.side_channel.stats_side_channel import StatsSideChannel
 
     (tmp_path / "moon.py").write_text(MOON, encoding="utf-8")
 

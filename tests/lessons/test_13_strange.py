@@ -13,18 +13,18 @@ from typing import Any
 import pytest
 import zmq
 
-from netmq_example.exception import UnitySideChannelException
-from netmq_example.side_channel import IncomingMessage, OutgoingMessage
-from netmq_example.side_channel import carrier as one_peer
-from netmq_example.side_channel.carrier import Carrier
-from netmq_example.side_channel.engine_configuration_channel import EngineConfigurationChannel
-from netmq_example.side_channel.environment_parameters_channel import EnvironmentParametersChannel
-from netmq_example.side_channel.float_properties_channel import MOST_PROPERTIES, FloatPropertiesChannel
-from netmq_example.side_channel.raw_bytes_channel import RawBytesChannel
-from netmq_example.side_channel.side_channel import LARGEST_EXCHANGE_BYTES, MOST_QUEUED_BYTES
-from netmq_example.side_channel.side_channel_manager import SideChannelManager
-from netmq_example.side_channel.stats_side_channel import StatsSideChannel
-from netmq_example.side_channel.unity_channels import EngineSettings, EnvironmentParameters, StatsRecorder, uniform
+from netmq_example.mlagents_envs import carrier as one_peer
+from netmq_example.mlagents_envs.carrier import Carrier
+from netmq_example.mlagents_envs.exception import UnitySideChannelException
+from netmq_example.mlagents_envs.side_channel import IncomingMessage, OutgoingMessage
+from netmq_example.mlagents_envs.side_channel.engine_configuration_channel import EngineConfigurationChannel
+from netmq_example.mlagents_envs.side_channel.environment_parameters_channel import EnvironmentParametersChannel
+from netmq_example.mlagents_envs.side_channel.float_properties_channel import MOST_PROPERTIES, FloatPropertiesChannel
+from netmq_example.mlagents_envs.side_channel.raw_bytes_channel import RawBytesChannel
+from netmq_example.mlagents_envs.side_channel.side_channel import LARGEST_EXCHANGE_BYTES, MOST_QUEUED_BYTES
+from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
+from netmq_example.mlagents_envs.side_channel.stats_side_channel import StatsSideChannel
+from netmq_example.mlagents_envs.unity_channels import EngineSettings, EnvironmentParameters, StatsRecorder, uniform
 from netmq_example.trouble import Trouble
 from tests.lessons.test_13_side_channels_bytes import (
     LOG,

@@ -23,17 +23,18 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv  # noqa: E402
 KEY = "17_many_machines"
 TRAIN = ROOT / "python" / KEY / "train.py"
 import netmq_example.envs  # noqa: E402, F401
-from netmq_example import messages, records  # noqa: E402
+from netmq_example import messages  # noqa: E402
 from netmq_example.envs.side_channels import carry  # noqa: E402
 from netmq_example.fleet.hub import Hub  # noqa: E402
 from netmq_example.fleet.members import Episode, Member  # noqa: E402
 from netmq_example.fleet.simulator import FleetSimulator  # noqa: E402
 from netmq_example.fleet.trainer import FleetSocket  # noqa: E402
-from netmq_example.records import ANSWERS, ASKS, Record, seeds  # noqa: E402
+from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager  # noqa: E402
+from netmq_example.scene.simulator import Simulator  # noqa: E402
 from netmq_example.security import keys  # noqa: E402
-from netmq_example.side_channel.side_channel_manager import SideChannelManager  # noqa: E402
-from netmq_example.simulation.simulator import Simulator  # noqa: E402
-from netmq_example.split_mix import draws  # noqa: E402
+from netmq_example.wire import records  # noqa: E402
+from netmq_example.wire.records import ANSWERS, ASKS, Record, seeds  # noqa: E402
+from netmq_example.wire.split_mix import draws  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 
 each_client = pytest.mark.parametrize("kind", CLIENTS)
@@ -50,7 +51,7 @@ def returns(episodes):
         steps, over = 0, False
         while not over:
             world.apply(int(world.observe()[2] > 0))
-            steps, over = steps + 1, world.judge()["terminated"]
+            steps, over = steps + 1, world.reward_and_end()["terminated"]
         found.append(steps)
     return found
 
@@ -319,8 +320,8 @@ from typing import Annotated, Any
 import numpy as np
 
 from netmq_example import console
-from netmq_example.simulation.scene import Agent, Obs, SceneSimulator
-from netmq_example.simulation.simulator import EnvironmentClient
+from netmq_example.scene.scene import Agent, Obs, SceneSimulator
+from netmq_example.scene.simulator import EnvironmentClient
 
 
 class Walker(Agent):
@@ -328,8 +329,8 @@ class Walker(Agent):
     steps: Annotated[int, Obs("['walked'] = $")] = 0
 
     def on_reset(self):
-        self.steps, self.last = 0, 3 + int(9 * next(self.chance))
-        self.place = np.array([next(self.chance), self.options.get("far", 0.0)])
+        self.steps, self.last = 0, 3 + int(9 * next(self.rng))
+        self.place = np.array([next(self.rng), self.options.get("far", 0.0)])
 
     def on_action(self, action):
         self.place = self.place + action

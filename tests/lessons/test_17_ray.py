@@ -21,8 +21,8 @@ np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: kit.py run 9 in
 
 RAY = ROOT / "python" / "17_many_machines" / "ray_train.py"
 CLIENT = ROOT / "python" / "09_environment" / "client.py"
-from netmq_example import cross_entropy  # noqa: E402
-from netmq_example.split_mix import draws  # noqa: E402
+from netmq_example.wire.split_mix import draws  # noqa: E402
+from netmq_example.worlds import cross_entropy  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 
 pytestmark = [pytest.mark.xdist_group("ray"), pytest.mark.skipif(os.name == "nt", reason="Ray is in beta on Windows")]
@@ -43,7 +43,7 @@ class Direct(gymnasium.Env):  # type: ignore[name-defined]
 
     def step(self, action):
         self.world.apply(action)
-        said = self.world.judge()
+        said = self.world.reward_and_end()
         return self.seen(), said["reward"], said["terminated"], said["truncated"], {}
 
 

@@ -11,10 +11,11 @@ from types import SimpleNamespace
 import pytest
 import zmq
 
-from netmq_example import messages, records
+from netmq_example import messages
 from netmq_example.fleet.board import MOST_LINES, Board
 from netmq_example.fleet.hub import Hub
-from netmq_example.records import ANSWERS, ASKS, NOTHING, Record, rewards
+from netmq_example.wire import records
+from netmq_example.wire.records import ANSWERS, ASKS, NOTHING, Record, rewards
 from tests.conftest import PYTHON
 from tests.lessons.test_17_many_machines import KEY, Sent
 from tests.programs import ROOT, Program
@@ -91,7 +92,7 @@ def kind_of(message):
         return message.kind
     if message.kind == ANSWERS:
         return "state"
-    return "step" if records.STEP in message.marks else "reset"
+    return "step" if records.STEP in message.flags else "reset"
 
 
 def running(*words):
@@ -275,7 +276,7 @@ def test_what_is_asked_again_is_answered_again_and_done_once(hub, peer):
     trainer.say(RESET, 1)
     assert trainer.hear("state").frames() == first.frames()
     trainer.say(STEP, 2)
-    assert simulator.hear("reset", "step").marks == STEP.marks
+    assert simulator.hear("reset", "step").flags == STEP.flags
 
 
 def test_an_episode_waits_from_the_death_of_its_simulator_on(hasty, peer):

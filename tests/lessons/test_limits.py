@@ -10,9 +10,9 @@ import zmq
 if not Path("/proc/self/status").exists():
     pytest.skip("only Linux says how much memory a program has taken", allow_module_level=True)
 
-from netmq_example import records
 from netmq_example.messages import Array, Message
-from netmq_example.records import ASKS, Record
+from netmq_example.wire import records
+from netmq_example.wire.records import ASKS, Record
 from tests.conftest import PYTHON
 from tests.lessons.conftest import bind
 from tests.programs import LIMIT, ROOT, Program
@@ -96,7 +96,7 @@ def test_a_state_that_is_no_state(context):
     """As numbers of Python it would have taken a hundred times its bytes."""
     np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: kit.py run 9 installs it")
     pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
-    from netmq_example import trees
+    from netmq_example.wire import trees
 
     with context.socket(zmq.ROUTER) as trainer:
         trainer.rcvtimeo = int(LIMIT * 1000)

@@ -17,12 +17,12 @@ from netmq_example.lazy_pirate import LazyPirate
 from netmq_example.many_requester import ManyRequester
 from netmq_example.message_requester import MessageRequester
 from netmq_example.messages import Message
+from netmq_example.mlagents_envs.carrier import Carrier, ClientCarrier
+from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
 from netmq_example.pose_stream import PoseSubscriber, snapshots_beside
 from netmq_example.publisher import Publisher
 from netmq_example.security.requester import SecureRequester
 from netmq_example.server import Server
-from netmq_example.side_channel.carrier import Carrier, ClientCarrier
-from netmq_example.side_channel.side_channel_manager import SideChannelManager
 from netmq_example.topic_listener import TopicListener
 from netmq_example.worker_threads import WorkerThreads
 from tests.lessons.uses import USES

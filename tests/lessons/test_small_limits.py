@@ -10,13 +10,14 @@ import pytest
 import zmq
 
 from kitlib.lessons import Lesson
-from netmq_example import arguments, records
+from netmq_example import arguments
 from netmq_example.fleet import hub, members, trainers
 from netmq_example.fleet.hub import Hub
 from netmq_example.messages import Array, Message
-from netmq_example.records import ANSWERS, ASKS, Record
-from netmq_example.side_channel import carrier
-from netmq_example.side_channel.side_channel_manager import SideChannelManager
+from netmq_example.mlagents_envs import carrier
+from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
+from netmq_example.wire import records
+from netmq_example.wire.records import ANSWERS, ASKS, Record
 from tests.lessons.conftest import bind
 from tests.lessons.test_contract import KEYS, secrets
 from tests.programs import python_runs

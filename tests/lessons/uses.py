@@ -14,9 +14,9 @@ from netmq_example.lazy_pirate import LazyPirate
 from netmq_example.many_requester import ManyRequester
 from netmq_example.message_requester import MessageRequester
 from netmq_example.messages import Message
+from netmq_example.mlagents_envs.carrier import ClientCarrier
 from netmq_example.pose_stream import PoseSubscriber
 from netmq_example.security.requester import SecureRequester
-from netmq_example.side_channel.carrier import ClientCarrier
 from netmq_example.topic_listener import TopicListener
 
 SOON: dict[str, Any] = {"timeout": 0.1, "tries": 1}

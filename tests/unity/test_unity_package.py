@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from kitlib import files
 from kitlib.unity import package
 from kitlib.unity.inventory import LIBRARIES
 from tests.conftest import PYTHON

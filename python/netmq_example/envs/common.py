@@ -1,4 +1,4 @@
-"""What the environments of this package share: how they are copied, what they send, and what they refuse."""
+"""The environments of this package share how they are copied, what they send, and what they refuse."""
 
 from collections.abc import Mapping
 from typing import Any, Self
@@ -7,10 +7,10 @@ import numpy as np
 from gymnasium import logger
 from gymnasium.spaces import Space
 
-from netmq_example import trees
 from netmq_example.messages import Array, Message, MessageError, take
-from netmq_example.named import write_dict
-from netmq_example.spaces import space_of
+from netmq_example.wire import trees
+from netmq_example.wire.named import write_dict
+from netmq_example.wire.spaces import space_of
 
 # At most of a dict that a reset takes, in bytes; a state of a million numbers fits.
 LONGEST_OPTIONS = 16 * 1024 * 1024

@@ -20,14 +20,16 @@ from typing import Any
 
 import zmq
 
-from netmq_example import arguments, check, records
+from netmq_example import arguments, check
 from netmq_example.envs.launch import END_SECONDS, QUIET, end_program, program, say_waiting, start_program, why_ended
+from netmq_example.envs.words import no_others
 from netmq_example.errors import Lost, Timeout
 from netmq_example.finalizers import finalizer
 from netmq_example.messages import LIMIT, Message, MessageError
 from netmq_example.one_process import OneProcess
 from netmq_example.program import cannot_listen, limit
-from netmq_example.records import Record
+from netmq_example.wire import records
+from netmq_example.wire.records import Record
 
 ENDPOINT = "tcp://127.0.0.1:5559"
 FREE_PORT = "tcp://127.0.0.1:*"
@@ -74,8 +76,7 @@ class Connection(OneProcess):
     def is_welcomed(self, accept: Accept) -> bool:
         """Whether the next message was the hello of a simulator, which then is the peer."""
         peer, hello = self.receive()
-        # Lesson 17's hub says that it is there. To answer it would be taken for a request.
-        if hello is None or (isinstance(hello, Message) and hello.kind == "alive"):
+        if hello is None:
             return False
         if not isinstance(hello, Message) or hello.kind != "hello":
             # It was given up, and has not noticed.
@@ -154,7 +155,7 @@ class Connection(OneProcess):
 def name_of(request: Any) -> str:
     """As a person calls it."""
     if isinstance(request, Record):
-        return "step" if records.STEP in request.marks else "reset"
+        return "step" if records.STEP in request.flags else "reset"
     return str(request.kind)
 
 
@@ -169,8 +170,8 @@ def checked(request: Any, answer: Any) -> Any:
     if isinstance(request, Record):
         if not isinstance(answer, Record):
             raise MessageError("wrong-kind", f"{answer.kind!a:.40} is no answer to {name_of(request)}")
-        if len(answer.marks) != len(request.marks):
-            raise MessageError("wrong-areas", f"an answer for {len(answer.marks)}, but {len(request.marks)} were asked")
+        if len(answer.flags) != len(request.flags):
+            raise MessageError("wrong-areas", f"an answer for {len(answer.flags)}, but {len(request.flags)} were asked")
     elif not isinstance(answer, Message) or answer.kind != ANSWERS.get(request.kind, answer.kind):
         raise MessageError("wrong-kind", f"{getattr(answer, 'kind', 0)!a:.40} is no answer to {request.kind}")
     return answer
@@ -193,7 +194,7 @@ class Simulators:
         default: str = ENDPOINT,
         **unknown: object,
     ) -> None:
-        arguments.no_others(unknown)
+        no_others(unknown)
         self.wait = arguments.seconds("wait", wait)
         timeout = arguments.seconds("timeout", timeout)
         self.launch = program(launch)
@@ -231,7 +232,7 @@ class Simulators:
         QUIET.pop(endpoint, None)
 
     def begin(self, accept: Accept, ask: Callable[[Lost | None], Any]) -> Any:
-        """What `ask` for a reset returns, in another simulator if one is lost; it gets what was lost before.
+        """Ask for a reset, and ask another simulator if one is lost; `ask` gets the error that was raised before.
 
         The next one may be lost as well: lesson 17's hub is started anew just then. Or each one ends of a reset, so
         that after three it is over.

@@ -38,9 +38,9 @@ from netmq_example.envs.common import (
 from netmq_example.envs.connection import Simulators
 from netmq_example.errors import Lost
 from netmq_example.messages import Message, MessageError
-from netmq_example.records import ABSENT, ASKS, RESET, STEP, TERMINATED, TRUNCATED, Record, rewards_in, seeds
-from netmq_example.space_bytes import Bytes
-from netmq_example.space_numbers import shown
+from netmq_example.wire.records import ABSENT, ASKS, RESET, STEP, TERMINATED, TRUNCATED, Record, rewards_in, seeds
+from netmq_example.wire.space_bytes import Bytes
+from netmq_example.wire.space_numbers import shown
 
 NO_SEED = seeds([0])
 
@@ -93,7 +93,7 @@ class ZmqEnv(MadeAnew, gymnasium.Env[Any, Any]):
             return self.observations.read(self.seen), 0.0, False, True, {"lost": str(lost)}
         seen = self.look(state)
         (reward,) = rewards_in(state)
-        ends = state.marks[0]
+        ends = state.flags[0]
         if ends:
             # Steps beyond the end would be of no episode, and seldom in the space.
             self.seen = None

@@ -30,18 +30,18 @@ from gymnasium.vector.utils import batch_space, create_empty_array, iterate
 from netmq_example.json_text import DEEPEST
 from netmq_example.locator import APPEND, Locator, LocatorError, Path, Step, quoted, spelled
 from netmq_example.messages import MessageError
-from netmq_example.space_bytes import together
-from netmq_example.space_numbers import exactly
+from netmq_example.wire.space_bytes import together
+from netmq_example.wire.space_numbers import exactly
 
 # So many items of a sequence, of whatever kind, are looked at one by one. A stack of numbers may be longer.
 MOST_ITEMS = 50_000
 NUMBERS = (bool, int, float, np.generic, np.ndarray)
-# What indexing and casting raise.
+# Indexing and casting raise these.
 REASONS = (LookupError, TypeError, ValueError, ArithmeticError, AttributeError)
 
 
 class Chosen(tuple[Any, ...]):
-    """What a OneOf has: which one, and what is in it. Another one is of another kind, and so it is taken whole."""
+    """A value of a OneOf: its number, and the value itself. Another one is of another kind, so it is taken whole."""
 
     __slots__ = ()
 
@@ -73,7 +73,7 @@ def merge(observations: dict[str, Any], locator: Locator, value: Any, appended: 
 
 
 def part_of(whole: Any, step: Step) -> Any:
-    """What a step of the source leads to."""
+    """Follow one step of the source."""
     if isinstance(step, tuple) and not isinstance(whole, np.ndarray | np.generic):
         raise TypeError(f"{type(whole).__name__} has no {spelled((step,))}")
     return whole[step]

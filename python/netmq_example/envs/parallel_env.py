@@ -21,7 +21,7 @@ from gymnasium.spaces import Space
 from gymnasium.utils import seeding
 from pettingzoo import ParallelEnv
 
-from netmq_example import arguments, check, trees
+from netmq_example import arguments, check
 from netmq_example.envs.common import (
     MadeAnew,
     frames_per_second,
@@ -38,9 +38,10 @@ from netmq_example.envs.common import (
 from netmq_example.envs.connection import Simulators
 from netmq_example.errors import Lost
 from netmq_example.messages import Message, MessageError, take
-from netmq_example.records import ASKS, NOTHING, RESET, STEP, TERMINATED, TRUNCATED, Record, rewards_in, seeds
-from netmq_example.space_bytes import Bytes
-from netmq_example.space_numbers import shown
+from netmq_example.wire import trees
+from netmq_example.wire.records import ASKS, NOTHING, RESET, STEP, TERMINATED, TRUNCATED, Record, rewards_in, seeds
+from netmq_example.wire.space_bytes import Bytes
+from netmq_example.wire.space_numbers import shown
 
 ENDPOINT = "tcp://127.0.0.1:5560"
 # Bytes of an info.
@@ -92,15 +93,15 @@ class RemoteAgents:
         rewards = rewards_in(state)
         last = {agent: state.rows[number] for agent, number in at.items()}
         seen = self.seen(last)
-        told = told_in(state.options)
+        game_infos = infos_in(state.options)
         infos = {}
         for agent, number in at.items():
             info = info_in(state.infos[number])
             if not info.keys().isdisjoint(("told", "lost")):
                 raise MessageError("bad-info", "these names are the environment's own: told, lost")
-            infos[agent] = {**info, "told": told} if told else info
+            infos[agent] = {**info, "told": game_infos} if game_infos else info
         self.last = last
-        ends = {agent: state.marks[number] for agent, number in at.items()}
+        ends = {agent: state.flags[number] for agent, number in at.items()}
         return (
             seen,
             {agent: rewards[number] for agent, number in at.items()},
@@ -113,15 +114,15 @@ class RemoteAgents:
         return {agent: self.bytes[agent][0].read(row) for agent, row in rows.items()}
 
 
-def told_in(data: Any) -> dict[str, list[Any]]:
+def infos_in(data: Any) -> dict[str, list[Any]]:
     """The game's infos since the last answer: a list for each agent, those of the environment as `env`."""
-    told: dict[str, list[Any]] = {}
+    infos: dict[str, list[Any]] = {}
     pairs = trees.read(data) if data else []
     for pair in pairs if type(pairs) is list else [pairs]:
         if type(pair) is not list or [type(part) for part in pair] != [str, dict]:
             raise MessageError("bad-info", f"{pair!a:.40} is no agent and its info")
-        told.setdefault(pair[0] or "env", []).append(pair[1])
-    return told
+        infos.setdefault(pair[0] or "env", []).append(pair[1])
+    return infos
 
 
 class ZmqParallelEnv(MadeAnew, ParallelEnv[str, Any, Any]):  # type: ignore[misc]
@@ -204,7 +205,7 @@ class ZmqParallelEnv(MadeAnew, ParallelEnv[str, Any, Any]):  # type: ignore[misc
         if len(data) > LONGEST_INFO:
             raise ValueError(f"an info has at most {LONGEST_INFO} bytes, not {len(data)}")
         answer = self.remote.ask(Message("info", 0, {}, [trees.array_of(data)]))
-        return told_in(answer.arrays[0].data if answer.arrays else b"")
+        return infos_in(answer.arrays[0].data if answer.arrays else b"")
 
     def render(self) -> Any:
         if not gives_pictures(self.render_mode):

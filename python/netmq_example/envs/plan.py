@@ -24,19 +24,19 @@ import numpy as np
 from gymnasium import spaces
 from gymnasium.spaces import Space
 
-from netmq_example import trees
 from netmq_example.envs.merge import MOST_ITEMS, empty, fitted, merge
 from netmq_example.locator import Locator, LocatorError, Mapping, Path, parse, quoted, spelled
 from netmq_example.messages import DTYPES, MessageError
-from netmq_example.space_bytes import codec_of
-from netmq_example.trees import REASONS, Reader
+from netmq_example.wire import trees
+from netmq_example.wire.space_bytes import codec_of
+from netmq_example.wire.trees import REASONS, Reader
 
 # Each is read once. A scene has few; one that sends ever new ones fills no memory.
 known: Callable[[str], Locator] = functools.lru_cache(10_000)(parse)
 
 
 class Sight:
-    """What one agent sees."""
+    """The observation of one agent, read from each row."""
 
     def __init__(self, name: str, space: Space[Any]) -> None:
         self.name = name

@@ -24,8 +24,8 @@ from netmq_example.envs.common import (
 from netmq_example.envs.connection import Simulators
 from netmq_example.errors import Lost
 from netmq_example.messages import EXACT, LIMIT, Message, MessageError
-from netmq_example.records import ABSENT, ASKS, NOTHING, RESET, STEP, TERMINATED, TRUNCATED, Record, seeds
-from netmq_example.space_bytes import Bytes
+from netmq_example.wire.records import ABSENT, ASKS, NOTHING, RESET, STEP, TERMINATED, TRUNCATED, Record, seeds
+from netmq_example.wire.space_bytes import Bytes
 
 ENDPOINT = "tcp://127.0.0.1:5560"
 # In an info these names are the environment's own.
@@ -178,7 +178,7 @@ class RemoteAreas:
         rewards = np.frombuffer(state.numbers, np.float64).copy()
         if not np.isfinite(rewards).all():
             raise MessageError("bad-reward", f"the rewards are {rewards!s:.80}")
-        ends = np.frombuffer(state.marks, np.uint8)
+        ends = np.frombuffer(state.flags, np.uint8)
         infos = [self.info(data) for data in state.infos]
         if not all(info.keys().isdisjoint(OWN) for info in infos):
             raise MessageError("bad-info", f"these names are the environment's own: {', '.join(OWN)}")

@@ -1,4 +1,4 @@
-"""What an environment of lesson 11 shows becomes pictures and films: the views of a ViewRecorder, lesson 12's.
+"""The views of an environment of lesson 11 become pictures and films: they come from lesson 12's ViewRecorder.
 
     env = gymnasium.make("NetMQExample/Unity-v0", …, render_mode="video", views=["", "front"])
     env.reset()
@@ -39,7 +39,7 @@ WAIT_SECONDS = 10.0
 
 
 class Rendered:
-    """What an environment has of it. Its `render_mode` and `metadata` are Gymnasium's."""
+    """The base of an environment that renders. Its `render_mode` and `metadata` are Gymnasium's."""
 
     render_mode: str | None
     metadata: dict[str, Any]
@@ -61,7 +61,7 @@ class Rendered:
         finalizer(self, self.renderer.close)
 
     def started(self, simulators: Simulators, accept: Accept) -> Callable[[], object]:
-        """What ends the simulator that was found. Where none comes, the port of the views is free at once."""
+        """Find a simulator, and return the function that ends it. If none comes, the views' port is free at once."""
         try:
             return simulators.start(self, accept)
         except BaseException:
@@ -79,7 +79,7 @@ class Rendered:
             self.renderer.begin(screen_width, screen_height)
 
     def end_render(self) -> None:
-        """No more pictures. What came stays until the next begin_render."""
+        """Take no more pictures. Those that came stay until the next begin_render."""
         if self.renderer:
             self.renderer.end()
 
@@ -214,7 +214,7 @@ class Renderer:
             raise Timeout(f"no view came to {at}: {cure}") from None
 
     def names(self, there: Mapping[str, Any]) -> dict[str, str]:
-        """What the game calls the views."""
+        """The game's names of the views."""
         unknown = [name for name in self.views if name not in ("", *there)]
         if unknown:
             raise ValueError(f"there is no view {unknown[0]!r}; the game has: {', '.join(there)}")
@@ -236,7 +236,7 @@ class Renderer:
 
 
 def check_words(mode: Any, views: Any, render_fps: Any) -> None:
-    """What cannot be is named before anybody is waited for."""
+    """A mistake is named before anybody is waited for."""
     if mode not in (None, *MODES):
         raise ValueError(f"render_mode takes None or one of {', '.join(MODES)}, not {mode!r:.40}")
     if not isinstance(views, list | tuple) or not views or not all(isinstance(view, str) for view in views):

@@ -7,7 +7,7 @@
     env.reset()                                                            is a reset that knows of it
 
 What is set before a step is there in that step, and what the simulator records in it comes with its state. The
-simulator is in a SideChannelSimulator, of C# or of simulation/side_channels.py; records.py says where the exchange
+simulator is in a SideChannelSimulator, of C# or of scene/side_channels.py; records.py says where the exchange
 stands.
 """
 
@@ -17,8 +17,8 @@ from typing import Any
 from netmq_example import arguments, check
 from netmq_example.errors import Lost
 from netmq_example.messages import MessageError
-from netmq_example.records import Record
-from netmq_example.side_channel.side_channel_manager import SideChannelManager
+from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
+from netmq_example.wire.records import Record
 
 CURE = "is the simulator in a SideChannelSimulator?"
 

@@ -22,7 +22,7 @@ from typing import Any
 import gymnasium
 from gymnasium.spaces import Space
 
-from netmq_example import arguments, trees
+from netmq_example import arguments
 from netmq_example.envs.common import MadeAnew, frames_per_second, hello_from, info_in, options_as_bytes
 from netmq_example.envs.connection import Simulators
 from netmq_example.envs.merge import empty, fitted
@@ -31,9 +31,21 @@ from netmq_example.envs.rendering import MODES, Rendered, check_words
 from netmq_example.errors import Lost
 from netmq_example.locator import quoted
 from netmq_example.messages import ENCODER, Message, MessageError
-from netmq_example.records import ABSENT, ASKS, NOTHING, RESET, STEP, TERMINATED, TRUNCATED, Record, rewards_in, seeds
-from netmq_example.space_bytes import codec_of
-from netmq_example.trees import SIZE
+from netmq_example.wire import trees
+from netmq_example.wire.records import (
+    ABSENT,
+    ASKS,
+    NOTHING,
+    RESET,
+    STEP,
+    TERMINATED,
+    TRUNCATED,
+    Record,
+    rewards_in,
+    seeds,
+)
+from netmq_example.wire.space_bytes import codec_of
+from netmq_example.wire.trees import SIZE
 
 Spaces = dict[str, Space[Any]]
 ENDPOINT = "tcp://127.0.0.1:5561"
@@ -95,7 +107,7 @@ class UnityGymEnv(MadeAnew, Rendered, gymnasium.Env[Any, Any]):
 
 
 class Agents:
-    """What some agents of a scene see and do, in one message for all of them.
+    """Some agents of a scene, whose observations and actions are one message.
 
     agents = Agents("Coins", {"car": observation_space}, {"car": action_space})
     agents.simulators.start(owner, agents.accept)                                     waits for Play
@@ -138,7 +150,7 @@ class Agents:
         for sight in self.sights.values():
             sight.forget()
         results = self.results(names, state)
-        # What C# alone has was an error. What Python alone has may come later, from a sensor that is disabled now.
+        # A value that only C# has was an error. One that only Python has may come later, as of a disabled sensor.
         for name, row in zip(names, state.rows, strict=True):
             if row:
                 self.sights[name].warn(row)
@@ -164,16 +176,16 @@ class Agents:
         self.simulators.connection.ask(Message("info", 0, {}, [trees.array_of(data)]))
 
     def results(self, names: Any, state: Record) -> dict[str, Any]:
-        """What a state says of these agents."""
+        """The results of these agents in a state."""
         rewards = rewards_in(state)
         results = dict[str, Any]()
         for at, name in enumerate(self.names):
             if name not in names:
                 continue
-            ends = state.marks[at]
+            ends = state.flags[at]
             info = {"env": [], "agent": [], **info_in(state.infos[at])}
             if ends & ABSENT:
-                # Who was over by then has ended as it said; else its episode is cut.
+                # An agent that was over by then has ended as it said; the episode of another one is cut.
                 seen = self.sights[name].again()
                 if ends == ABSENT:
                     ends |= TRUNCATED

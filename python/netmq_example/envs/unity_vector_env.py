@@ -30,7 +30,7 @@ from netmq_example.envs.unity_env import (
 )
 from netmq_example.envs.vector_env import AreasEnv
 from netmq_example.messages import Message, MessageError
-from netmq_example.space_bytes import together
+from netmq_example.wire.space_bytes import together
 
 
 class RemoteScene(RemoteAreas):

@@ -21,11 +21,12 @@ from typing import Any
 
 import zmq
 
-from netmq_example import arguments, check, records
+from netmq_example import arguments, check
 from netmq_example.fleet.members import Member, NotTaken, accept, fits, offer, size_of
 from netmq_example.fleet.trainers import Trainer
 from netmq_example.messages import Message, MessageError, take
 from netmq_example.program import Socket
+from netmq_example.wire import records
 
 TICK_SECONDS = 0.1
 # After so much silence the hub sends its last message again.
@@ -81,7 +82,7 @@ class Hub:
         self.ticked = 0.0
 
     def take(self, peer: bytes, frames: list[Any]) -> None:
-        """What this peer has sent."""
+        """Take in a message of this peer."""
         try:
             member = self.members.get(peer)
             message: Any = records.read_frames(records.ANSWERS if member else records.ASKS, frames)

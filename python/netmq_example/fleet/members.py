@@ -17,7 +17,7 @@ from collections.abc import Callable
 from typing import Any
 
 from netmq_example.messages import LIMIT, Message, MessageError
-from netmq_example.records import Record
+from netmq_example.wire.records import Record
 
 # The hub is never silent for so long. See Member.
 SILENCE_SECONDS = 3.0
@@ -156,7 +156,7 @@ class NotTaken(MessageError):
 
 
 def size_of(message: Any) -> int:
-    """What a request or an answer takes in memory, in bytes."""
+    """The memory of a request or an answer, in bytes."""
     if isinstance(message, Record):
         parts = [*message.rows, *message.infos, message.options, message.exchange or b""]
     else:
@@ -189,13 +189,13 @@ def accept(hello: Message, build: str, hello_here: Message | None) -> None:
 
 
 def form(hello: Message) -> Any:
-    """What all simulators of one name must have alike: dt, and the spaces."""
+    """All simulators of one name must have the same dt and spaces."""
     return hello.values.get("dt"), [bytes(array.data) for array in hello.arrays]
 
 
 def fits(answer: Any, request: Any) -> bool:
     """Whether it answers this request, be it by a refusal."""
     if isinstance(answer, Record):
-        return isinstance(request, Record) and len(answer.marks) == 1
+        return isinstance(request, Record) and len(answer.flags) == 1
     picture = answer.kind == "picture" and len(answer.arrays) == 1
     return answer.kind == "error" or (picture and not isinstance(request, Record))

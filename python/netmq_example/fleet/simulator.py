@@ -9,28 +9,18 @@ build only; write another one wherever yours computes differently.
 
 from netmq_example import check
 from netmq_example.messages import Message
-from netmq_example.records import Record
-from netmq_example.simulation.simulator import SimulatorBase
+from netmq_example.scene.decorator import SimulatorDecorator
+from netmq_example.scene.simulator import SimulatorBase
 
 
-class FleetSimulator(SimulatorBase):
+class FleetSimulator(SimulatorDecorator):
     """Around any simulator of one world."""
 
     def __init__(self, simulator: SimulatorBase, *, build: str = "1") -> None:
-        super().__init__(check.instance("simulator", simulator, SimulatorBase).name)
-        self.simulator = simulator
+        super().__init__(simulator)
         self.build: str = check.instance("build", build, str)
 
     def describe(self) -> Message:
-        hello = self.simulator.describe()
+        hello = super().describe()
         hello.values["build"] = self.build
         return hello
-
-    def say(self, request: Message) -> Message:
-        return self.simulator.say(request)
-
-    def do(self, request: Record) -> Record:
-        state = self.simulator.do(request)
-        self.episodes = self.simulator.episodes
-        self.steps = self.simulator.steps
-        return state

@@ -21,8 +21,8 @@ from netmq_example.finalizers import finalizer
 from netmq_example.messages import LIMIT, Message, take
 from netmq_example.one_process import OneProcess
 from netmq_example.program import limit
-from netmq_example.records import is_record
 from netmq_example.retries import longer
+from netmq_example.wire.records import is_record
 
 PEER = b"hub"
 # The environment asks again each second. If it is silent for longer, it waits for a simulator, and tells the hub. So
@@ -69,11 +69,13 @@ class FleetSocket(OneProcess):
             self.report_lost(0)
         else:
             message = Message.read(frames)
-            if message.kind == "alive" and not self.waits:
-                self.report_lost(take({"missing": 0} | message.values, "missing", int))
-            elif message.kind == "alive":
-                self.sent = time.monotonic()
-                self.report_missing(message)
+            if message.kind == "alive":
+                # The environment has no use for it, and to answer it would be taken for a request.
+                if self.waits:
+                    self.sent = time.monotonic()
+                    self.report_missing(message)
+                else:
+                    self.report_lost(take({"missing": 0} | message.values, "missing", int))
                 raise zmq.Again
             if message.kind == "hello":
                 self.report(f"the hub has given this trainer {self.areas} simulators", logging.INFO)

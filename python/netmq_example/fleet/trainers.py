@@ -17,7 +17,7 @@ from typing import Any
 
 from netmq_example.fleet.members import MOST_AREAS, Episode, size_of
 from netmq_example.messages import LIMIT, Message, MessageError
-from netmq_example.records import ANSWERS, ASKS, EACH, HEAD, NOTHING, RESET, STEP, Record
+from netmq_example.wire.records import ANSWERS, ASKS, EACH, HEAD, NOTHING, RESET, STEP, Record
 
 # An episode is kept, so that it can be played again, and so it must end.
 MOST_STEPS = 100_000
@@ -150,7 +150,7 @@ class Trainer:
 
 
 def begins(part: Any) -> bool:
-    return isinstance(part, Record) and part.marks[0] == RESET
+    return isinstance(part, Record) and part.flags[0] == RESET
 
 
 def check_parts(episodes: list[Episode | None], parts: dict[int, Any]) -> None:
@@ -159,25 +159,25 @@ def check_parts(episodes: list[Episode | None], parts: dict[int, Any]) -> None:
         part = parts.get(area)
         if not episode and not begins(part):
             raise MessageError("no-episode", f"area {area} was never reset")
-        if episode and isinstance(part, Record) and part.marks[0] == STEP and len(episode.requests) > MOST_STEPS:
+        if episode and isinstance(part, Record) and part.flags[0] == STEP and len(episode.requests) > MOST_STEPS:
             raise MessageError("too-long", f"an episode has at most {MOST_STEPS} steps: set max_episode_steps")
 
 
 def split(request: Any, count: int) -> list[Any]:
-    """What each area is asked, if anything."""
+    """The request for each area, if there is one."""
     if isinstance(request, Message):
         if request.kind == "render" and not request.arrays:
             return [Message("render") for _ in range(count)]
         raise MessageError("unknown-kind", f"kind {request.kind!a:.40} is none of reset, step, render, close")
-    if len(request.marks) != count:
+    if len(request.flags) != count:
         cure = f"make_vec(…, num_envs={count}), and register a vector_entry_point"
-        raise MessageError("wrong-areas", f"{count} simulators were asked for, and not {len(request.marks)}: {cure}")
+        raise MessageError("wrong-areas", f"{count} simulators were asked for, and not {len(request.flags)}: {cure}")
     if request.exchange is not None:
         cure = "give them a connection of their own, as lesson 13's Carrier"
         raise MessageError("no-side-channels", f"the hub hands none on: {cure}")
     options = bytes(request.options)
     parts: list[Any] = []
-    for area, (order, row) in enumerate(zip(request.marks, request.rows, strict=True)):
+    for area, (order, row) in enumerate(zip(request.flags, request.rows, strict=True)):
         seed = bytes(request.numbers[8 * area : 8 * area + 8])
         # It is kept, and so it must not keep the whole request.
         part = Record(ASKS, 0, seed, [order], [bytes(row)], options=options if order == RESET else b"")
@@ -190,6 +190,6 @@ def joined(request: Any, answers: list[Any], seen: list[bytes]) -> Any:
     if isinstance(request, Message):
         return Message("picture", request.id, {}, [answer.arrays[0] for answer in answers])
     numbers = b"".join(bytes(answer.numbers) if answer else bytes(8) for answer in answers)
-    marks = [answer.marks[0] if answer else 0 for answer in answers]
+    flags = [answer.flags[0] if answer else 0 for answer in answers]
     infos = [answer.infos[0] if answer else b"" for answer in answers]
-    return Record(ANSWERS, request.id, numbers, marks, seen, infos)
+    return Record(ANSWERS, request.id, numbers, flags, seen, infos)

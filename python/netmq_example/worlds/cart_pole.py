@@ -16,7 +16,7 @@ import numpy as np
 from gymnasium.spaces import Box, Discrete
 
 from netmq_example.messages import MessageError
-from netmq_example.simulation.simulation import Simulation
+from netmq_example.scene.simulation import Simulation
 
 GRAVITY = 9.8
 FORCE = 10.0
@@ -47,11 +47,11 @@ class CartPole(Simulation):
         self.observation = Box(-most, most, dtype=np.float32)
         self.place = self.speed = self.angle = self.turning = 0.0
 
-    def reset(self, chance: Iterator[float], options: dict[str, Any], state: list[float]) -> None:
+    def reset(self, rng: Iterator[float], options: dict[str, Any], state: list[float]) -> None:
         low, high = options.get("low", -0.05), options.get("high", 0.05)
         if isinstance(low, str) or isinstance(high, str):
             raise MessageError("bad-option", "low and high are numbers, between which an episode begins")
-        drawn = [low + (high - low) * next(chance) for _ in range(4)]
+        drawn = [low + (high - low) * next(rng) for _ in range(4)]
         self.place, self.speed, self.angle, self.turning = state or drawn
 
     def apply(self, action: Any) -> None:
@@ -70,7 +70,7 @@ class CartPole(Simulation):
     def observe(self) -> Any:
         return np.array([self.place, self.speed, self.angle, self.turning], np.float32)
 
-    def judge(self) -> dict[str, Any]:
+    def reward_and_end(self) -> dict[str, Any]:
         over = abs(self.place) > TRACK or abs(self.angle) > FALL
         return {"reward": 1.0, "terminated": over, "truncated": False}
 

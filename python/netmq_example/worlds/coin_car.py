@@ -11,7 +11,7 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from netmq_example.simulation.scene import Agent, Obs
+from netmq_example.scene.scene import Agent, Obs
 
 FIELD_METRES = 10.0
 COINS = 3
@@ -37,7 +37,7 @@ class CoinCar(Agent):
 
     def on_reset(self) -> None:
         self.x = self.y = FIELD_METRES / 2
-        self.spots = [(1 + 8 * next(self.chance), 1 + 8 * next(self.chance)) for _ in range(COINS)]
+        self.spots = [(1 + 8 * next(self.rng), 1 + 8 * next(self.rng)) for _ in range(COINS)]
         self.push = np.zeros(2, np.float32)
         self.boost = 0
         self.says = ""
@@ -66,7 +66,7 @@ class CoinCar(Agent):
         return (x - self.x) * (x - self.x) + (y - self.y) * (y - self.y) < REACH_METRES * REACH_METRES
 
     def look(self) -> None:
-        """What the fields hold from now on."""
+        """Set the fields that the observation is read from."""
         self.place = np.array([self.x, self.y], np.float32)
         self.left = len(self.spots)
         self.coins = [np.array(spot, np.float32) for spot in self.spots]

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import Box, Discrete
 
-from netmq_example.simulation.simulation import AgentSimulation
+from netmq_example.scene.simulation import AgentSimulation
 
 # The world goes from -1 to 1, both ways; in one step a hunter comes so far, and a rabbit.
 RUN = {"hunter": 0.05, "rabbit": 0.06}
@@ -50,9 +50,9 @@ class Pursuit(AgentSimulation):
         self.living: list[str] = []
         self.gone: list[str] = []
 
-    def reset(self, chance: Iterator[float], options: dict[str, Any]) -> None:
+    def reset(self, rng: Iterator[float], options: dict[str, Any]) -> None:
         for name in self.agents:
-            self.place[name] = (2 * next(chance) - 1, 2 * next(chance) - 1)
+            self.place[name] = (2 * next(rng) - 1, 2 * next(rng) - 1)
             self.energy[name] = 1.0
             self.reward[name] = 0.0
         self.living = list(self.agents)
@@ -98,7 +98,7 @@ class Pursuit(AgentSimulation):
                 numbers += [far - x, high - y, float(name in self.living)]
         return np.array(numbers, np.float32)
 
-    def judge(self, agent: str) -> dict[str, Any]:
+    def reward_and_end(self, agent: str) -> dict[str, Any]:
         over = agent in self.gone or not self.hunters() or not self.rabbits()
         return {"reward": self.reward[agent], "terminated": over, "truncated": False}
 

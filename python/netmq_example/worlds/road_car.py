@@ -1,6 +1,6 @@
 """The road's car as a simulation, to be driven step by step through an environment. In C# it is RoadCar.cs.
 
-    Simulator(RoadCar())        what netmq_example.simulation.simulator connects to an environment, NetMQExample/Car-v0
+    Simulator(RoadCar())        what netmq_example.scene.simulator connects to an environment, NetMQExample/Car-v0
 
 It sees where it is relative to the road: five numbers. Both sides give the same numbers to the last bit, as road.py
 does. It needs numpy and gymnasium.
@@ -13,7 +13,7 @@ import numpy as np
 from gymnasium.spaces import Box
 
 from netmq_example.messages import MessageError
-from netmq_example.simulation.simulation import Simulation
+from netmq_example.scene.simulation import Simulation
 from netmq_example.worlds.road import HALF_WIDTH, STEP_SECONDS, Car, DrawnCamera, Road
 
 # So many points of the road ahead, some 9 m, it sees where the road goes.
@@ -37,8 +37,8 @@ class RoadCar(Simulation):
         self.camera = DrawnCamera(self.road)
         self.metres = 0.0
 
-    def reset(self, chance: Iterator[float], options: dict[str, Any], state: list[float]) -> None:
-        at = state[0] if state else next(chance) * len(self.road.points)
+    def reset(self, rng: Iterator[float], options: dict[str, Any], state: list[float]) -> None:
+        at = state[0] if state else next(rng) * len(self.road.points)
         if not 0 <= at < len(self.road.points):
             raise MessageError("bad-state", f"the road has the points 0 to {len(self.road.points) - 1}")
         self.car = Car.on(self.road, int(at))
@@ -61,7 +61,7 @@ class RoadCar(Simulation):
         along = car.ahead_x * to_x + car.ahead_y * to_y
         return np.array([off, across, along, car.speed / 20, far_x * to_y - far_y * to_x], np.float32)
 
-    def judge(self) -> dict[str, Any]:
+    def reward_and_end(self) -> dict[str, Any]:
         off_the_road = self.road.nearest(self.car.x, self.car.y)[1] > HALF_WIDTH
         return {"reward": self.progress(), "terminated": off_the_road, "truncated": False, "metres": self.metres}
 

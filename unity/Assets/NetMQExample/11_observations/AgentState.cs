@@ -1,6 +1,6 @@
 // Lesson 11, an agent: what it is told, and what is known of it between two answers to Python.
 //
-// It needs no UnityEngine: the component is Agent.cs. In Python: netmq_example/simulation/scene.py.
+// It needs no UnityEngine: the component is Agent.cs. In Python: netmq_example/scene/scene.py.
 using System;
 using System.Collections.Generic;
 using System.Linq;

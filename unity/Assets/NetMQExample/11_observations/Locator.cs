@@ -8,7 +8,7 @@
 //     Console.WriteLine(Locator.Parse(".speed", scope: scope));          prints: 'car'@['body']['speed'] = $
 //
 // It prints the canonical text: two locators mean the same if these are equal. The guide has the whole language, in
-// docs/guide/11_locators.md; the Python side is netmq_example/locator.py. It needs neither NetMQ nor UnityEngine.
+// docs/guide/11_locators.md; the Python side is netmq_example/locator. It needs neither NetMQ nor UnityEngine.
 using System;
 using System.Collections.Generic;
 using System.Linq;

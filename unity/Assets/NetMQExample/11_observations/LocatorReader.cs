@@ -7,7 +7,7 @@
 //     (0, 1:3, ..., newaxis)                  an index of numpy's; np.newaxis is the same
 //     [0, 1:3, ..., np.newaxis]               the same; newaxis alone is a key
 //
-// Blanks between two signs are free. The Python side is netmq_example/locator_reader.py.
+// Blanks between two signs are free. The Python side is netmq_example/locator/reader.py.
 using System;
 using System.Collections.Generic;
 using System.Globalization;

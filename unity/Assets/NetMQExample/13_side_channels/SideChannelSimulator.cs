@@ -3,7 +3,7 @@
 //     protected override SimulatorBase MakeSimulator() => new SideChannelSimulator(base.MakeSimulator());
 //
 // So what Python sets before a step is there in that step, and what the scene records in it comes with its state.
-// Records.cs says where it stands. The Python side is simulation/side_channels.py.
+// Records.cs says where it stands. The Python side is scene/side_channels.py.
 namespace NetMQExample.SideChannels
 {
     /// <summary>Around a simulator, whose requests and answers then carry this program's side channels.</summary>

@@ -1,0 +1,111 @@
+"""Gymnasium's spaces: how a simulator describes them in its hello, and what is in them as bytes (space_bytes.py).
+
+    description = described(Discrete(2))            ["discrete", 2, 0, "int64"]; space_of(description) is the way back
+
+Once both sides know a space, what is in it travels without a word: its arrays' numbers, little-endian, in the order of
+the space's parts.
+
+    description (a value, trees.py)                             bytes
+    ["box", dtype, low, high]                                   its numbers; low and high are arrays of its shape
+    ["discrete", n, start, dtype]                               one number
+    ["multi_binary", shape]                                     int8, 0 or 1, for each
+    ["multi_discrete", counts, starts, dtype]                   its numbers; counts and starts are arrays of its shape
+    ["text", shortest, longest, characters]                     uint32, how many bytes; then UTF-8
+    ["dict", [[key, space], …]]   ["tuple", [space, …]]         one part after the other
+    ["sequence", space, stacked]                                uint32, how many; then one after the other
+    ["graph", nodes' space, edges' space or null]               uint32 nodes, uint32 edges, or 2**32 - 1 for none; the
+                                                                nodes, the edges, and int32 [edges, 2]
+    ["one_of", [space, …]]                                      uint32, which one; then what is in it
+
+In C# it is GymSpace.cs. It needs gymnasium and numpy.
+"""
+
+from collections import OrderedDict
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+from gymnasium.spaces import Space
+
+from netmq_example.messages import MessageError
+from netmq_example.wire import trees
+
+# Gymnasium's constructors and numpy raise these, and so does reading past the end.
+REASONS = (*trees.REASONS, AssertionError, ArithmeticError, AttributeError)
+
+
+def described(space: Space[Any]) -> list[Any]:
+    """For a hello. ValueError names a space that none of Gymnasium's own is."""
+    match space:
+        case spaces.Box():
+            return ["box", space.dtype.name, sendable(space.low), sendable(space.high)]
+        case spaces.Discrete():
+            return ["discrete", int(space.n), int(space.start), np.dtype(space.dtype).name]
+        case spaces.MultiBinary():
+            return ["multi_binary", list(map(int, space.shape))]
+        case spaces.MultiDiscrete():
+            return ["multi_discrete", sendable(space.nvec), sendable(space.start), space.dtype.name]
+        case spaces.Text():
+            return ["text", space.min_length, space.max_length, "".join(sorted(space.character_list))]
+        case spaces.Dict():
+            return ["dict", [[key, described(part)] for key, part in space.items()]]
+        case spaces.Tuple():
+            return ["tuple", [described(part) for part in space]]
+        case spaces.Sequence():
+            return ["sequence", described(space.feature_space), space.stack]
+        case spaces.Graph():
+            edges = None if space.edge_space is None else described(space.edge_space)
+            return ["graph", described(space.node_space), edges]
+        case spaces.OneOf():
+            return ["one_of", [described(part) for part in space.spaces]]
+    raise ValueError(f"{space} has no place in a message; Gymnasium's own spaces have")
+
+
+def sendable(limits: Any) -> Any:
+    """No message has uint64: the same bits as int64, of which `made` makes them again."""
+    return limits.view(np.int64) if limits.dtype == np.uint64 else limits
+
+
+def space_of(description: Any) -> Space[Any]:
+    """MessageError says why a description is of none."""
+    try:
+        # Limits that do not fit their dtype would make another space.
+        with np.errstate(over="raise", invalid="raise"):
+            return made(description)
+    except MessageError:
+        raise
+    except REASONS as error:
+        text = " ".join(f"{description!s:.60} makes no space: {error!s:.80}".split())
+        raise MessageError("bad-space", text) from None
+
+
+def made(description: Any) -> Space[Any]:
+    match description:
+        case ["box", str(dtype), np.ndarray() as low, np.ndarray() as high]:
+            kind: Any = np.dtype(dtype).type
+            return spaces.Box(low.astype(kind), high.astype(kind), dtype=kind)
+        case ["discrete", int(count), int(start), str(dtype)]:
+            # Gymnasium before 1.2 has but one dtype.
+            words: dict[str, Any] = {} if dtype == "int64" else {"dtype": np.dtype(dtype).type}
+            return spaces.Discrete(count, start=start, **words)
+        case ["multi_binary", list(shape)]:
+            return spaces.MultiBinary(shape[0] if len(shape) == 1 else shape)
+        case ["multi_discrete", np.ndarray() as counts, np.ndarray() as starts, str(dtype)]:
+            return spaces.MultiDiscrete(counts, dtype=np.dtype(dtype).type, start=starts)
+        case ["text", int(shortest), int(longest), str(characters)]:
+            return spaces.Text(longest, min_length=shortest, charset=characters)
+        case ["dict", list(parts)]:
+            # Of a plain dict Gymnasium sorts the keys.
+            return spaces.Dict(OrderedDict((str(key), made(part)) for key, part in parts))
+        case ["tuple", list(parts)]:
+            return spaces.Tuple([made(part) for part in parts])
+        case ["sequence", list(part), bool(stack)]:
+            return spaces.Sequence(made(part), stack=stack)
+        case ["graph", list(nodes), edges]:
+            node_space: Any = made(nodes)
+            edge_space: Any = None if edges is None else made(edges)
+            return spaces.Graph(node_space, edge_space)
+        case ["one_of", list(parts)]:
+            return spaces.OneOf([made(part) for part in parts])
+    known = "box, discrete, multi_binary, multi_discrete, text, dict, tuple, sequence, graph, one_of"
+    raise MessageError("unknown-space", f"space {description!s:.40} is none of {known}")
