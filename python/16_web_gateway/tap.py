@@ -30,7 +30,7 @@ sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 from netmq_example import check
 from netmq_example.asking import at_least_one, client_endpoint
 from netmq_example.extras import importing
-from netmq_example.program import option, run, show
+from netmq_example.program import option, run, seconds, show
 from netmq_example.tap.arrows import Arrows, recording
 from netmq_example.tap.passing import FATES, Link, Trouble
 from netmq_example.trouble import Trouble as Lines
@@ -81,10 +81,9 @@ def port_number(text: str) -> int:
 
 
 def slow_seconds(text: str) -> float:
-    seconds = option(check.seconds_or_none, text, float)
-    if seconds >= 60:
+    if (slow := seconds(text)) >= 60:
         raise argparse.ArgumentTypeError(f"it takes seconds, less than 60, not {text!r:.40}")
-    return seconds
+    return slow
 
 
 def file(text: str) -> Path:

@@ -167,7 +167,7 @@ class BackgroundClient(OneProcess):
     def enqueue(self, text: str, within: float | None) -> Asked:
         self.check_process()
         encoded(text)
-        asked = Asked(text, time.monotonic() + (math.inf if within is None else arguments.seconds("within", within)))
+        asked = Asked(text, time.monotonic() + (math.inf if within is None else check.seconds("within", within)))
         with self.gate:
             if self.end.alive:
                 self.waiting.put(asked)

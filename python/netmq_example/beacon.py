@@ -19,6 +19,9 @@ import time
 from collections.abc import Iterator
 from typing import Any
 
+from netmq_example.asking import LOOK_UP_SECONDS as LOOK_UP_SECONDS
+from netmq_example.asking import cure as cure
+from netmq_example.asking import unknown_host as unknown_host
 from netmq_example.errors import Error
 
 if sys.platform != "win32":
@@ -27,8 +30,6 @@ if sys.platform != "win32":
     # SIOCGIFADDR and SIOCGIFNETMASK of `man 7 netdevice`, and macOS's.
     ADDRESS_AND_MASK = (0x8915, 0x891B) if sys.platform == "linux" else (0xC0206921, 0xC0206925)
 
-# So long a name server may take, in seconds; the system itself might wait for half a minute.
-LOOK_UP_SECONDS = 3.0
 # From one question to the next, in seconds.
 ROUND = 0.5
 # From one piece of a question to the next, where the system takes no more at once.
@@ -181,31 +182,6 @@ class BeaconSearch:
         self.vain = 0
         self.unasked = []
         self.asked = set()
-
-
-def cure(endpoint: str, otherwise: str) -> str:
-    """What to look at where nothing came: the host's name, if that is unknown. libzmq itself never says so."""
-    unknown = unknown_host(endpoint)
-    return f"{unknown}: is it spelt so, and is the network there?" if unknown else otherwise
-
-
-def unknown_host(endpoint: str) -> str:
-    """What to say about a host that has no address. An empty text: it has one, or no name server says anything."""
-    scheme, _, place = endpoint.partition("://")
-    host = place.rpartition(":")[0]
-    unknown: list[str] = []
-
-    def look_up() -> None:
-        try:
-            socket.getaddrinfo(host, None)
-        except (OSError, UnicodeError):
-            unknown.append(f"unknown host '{host}'")
-
-    if scheme not in ("beacon", "ipc", "inproc"):
-        thread = threading.Thread(target=look_up, daemon=True, name="netmq_example look-up")
-        thread.start()
-        thread.join(LOOK_UP_SECONDS)
-    return "".join(unknown)
 
 
 def networks() -> dict[str, str]:

@@ -31,6 +31,7 @@ import zmq
 
 AGAIN_SECONDS = 0.01
 PYZMQ = str(Path(zmq.__file__).parent)
+MAKERS = ("socket", "__init__", "__new__")
 
 
 class Lines(io.FileIO):
@@ -138,9 +139,7 @@ def is_within(frame: FrameType | None) -> bool:
     """Whether pyzmq is making a context or a socket, or a line is being written."""
     while frame:
         code = frame.f_code
-        if code.co_filename.startswith(PYZMQ) and code.co_name in ("socket", "__init__", "__new__"):
-            return True
-        if code is Lines.write.__code__:
+        if code is Lines.write.__code__ or (code.co_filename.startswith(PYZMQ) and code.co_name in MAKERS):
             return True
         frame = frame.f_back
     return False

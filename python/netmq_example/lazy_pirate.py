@@ -17,13 +17,13 @@ from collections.abc import Callable
 import zmq
 
 from netmq_example import arguments, check
+from netmq_example.asking import longer, tried
 from netmq_example.beacon import LOOK_UP_SECONDS, BeaconSearch
 from netmq_example.console import printable
 from netmq_example.errors import Closed, Refused, Timeout
 from netmq_example.former import positional
 from netmq_example.one_process import Keys, OneProcess, one_at_a_time
 from netmq_example.program import Context, Socket, encoded, limit, text_of
-from netmq_example.retries import longer, tried
 
 # The longest wait in one piece, in milliseconds: between two of them stop() is noticed and, on Windows, Ctrl-C.
 SLICE_MS = 50
@@ -52,7 +52,7 @@ class LazyPirate(OneProcess):
         """
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5552", beacon=True)
         self.search = BeaconSearch(endpoint)
-        self.timeout = arguments.seconds("timeout", timeout)
+        self.timeout = check.seconds("timeout", timeout)
         self.tries = check.count("tries", tries)
         self.keys = arguments.keys(keys)
         self.context = arguments.context(context)
@@ -69,7 +69,7 @@ class LazyPirate(OneProcess):
         All tries together take at most `within` seconds. Timeout: no try was answered, but it may be done.
         MessageError: it is too long. Closed: stop() or close() ended it.
         """
-        end = time.monotonic() + (math.inf if within is None else arguments.seconds("within", within))
+        end = time.monotonic() + (math.inf if within is None else check.seconds("within", within))
         return self.request_until(text, lambda: end)
 
     @one_at_a_time

@@ -56,7 +56,7 @@ class TopicListener(OneProcess):
         """
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5553", beacon=True)
         self.topic = check.instance("topic", topic, str)
-        self.timeout = check.seconds_or_none("timeout", timeout)
+        self.timeout = check.seconds("timeout", timeout, zero=True)
         high_watermark = check.count("high_watermark", high_watermark, least=0)
         self.largest = check.count("largest", largest)
         self.keys = arguments.keys(keys)
@@ -98,7 +98,7 @@ class TopicListener(OneProcess):
     def receive_frames(self, timeout: float | None = None) -> list[bytes]:
         """The same with its frames as they came, such as a topic and a picture."""
         self.check_process()
-        timeout = self.timeout if timeout is None else check.seconds_or_none("timeout", timeout)
+        timeout = self.timeout if timeout is None else check.seconds("timeout", timeout, zero=True)
         arguments.not_closed("this listener's socket", self.socket)
         start = time.monotonic()
         renew = RENEW_SECONDS

@@ -21,6 +21,7 @@ from typing import Any
 import zmq
 
 from netmq_example import arguments, check
+from netmq_example.asking import longer
 from netmq_example.beacon import BeaconSearch
 from netmq_example.console import printable
 from netmq_example.errors import MessageError, Refused, Timeout
@@ -28,7 +29,6 @@ from netmq_example.former import positional
 from netmq_example.messages import EXACT, LIMIT, Message
 from netmq_example.one_process import OneProcess
 from netmq_example.program import SLICE_MS, Context, Socket, limit
-from netmq_example.retries import longer
 
 log = logging.getLogger("netmq_example.client")
 
@@ -80,7 +80,7 @@ class DriverClient(OneProcess):
         # The message that waits until the server is found, and where that is.
         self.unsent: list[Any] = []
         self.where = ""
-        self.timeout = arguments.seconds("timeout", timeout)
+        self.timeout = check.seconds("timeout", timeout)
         self.tries = check.count("tries", tries)
         self.context: Context = arguments.context(context)
         self.report = log.warning

@@ -21,10 +21,10 @@ from typing import Any
 import zmq
 
 from netmq_example import arguments, check
-from netmq_example.envs.launch import END_SECONDS, QUIET, end_program, program, say_waiting, start_program, why_ended
-from netmq_example.envs.words import no_others
+from netmq_example.envs.common import no_others
 from netmq_example.errors import Lost, Timeout
 from netmq_example.finalizers import finalizer
+from netmq_example.launch import END_SECONDS, QUIET, end_program, program, say_waiting, start_program, why_ended
 from netmq_example.messages import LIMIT, Message, MessageError
 from netmq_example.one_process import OneProcess
 from netmq_example.program import cannot_listen, limit
@@ -45,7 +45,7 @@ class Connection(OneProcess):
     """A bound ROUTER socket. It waits in slices of its receive timeout: on Windows Ctrl-C interrupts no longer wait."""
 
     def __init__(self, socket: zmq.Socket[bytes], timeout: float) -> None:
-        self.timeout = arguments.seconds("timeout", timeout)
+        self.timeout = check.seconds("timeout", timeout)
         if not hasattr(socket, "recv_multipart"):
             raise TypeError(f"socket takes a bound ROUTER socket, not {socket!r:.40}")
         # Lesson 17's socket is none of pyzmq's.
@@ -195,8 +195,8 @@ class Simulators:
         **unknown: object,
     ) -> None:
         no_others(unknown)
-        self.wait = arguments.seconds("wait", wait)
-        timeout = arguments.seconds("timeout", timeout)
+        self.wait = check.seconds("wait", wait)
+        timeout = check.seconds("timeout", timeout)
         self.launch = program(launch)
         self.owns_socket = socket is None
         if socket is None:

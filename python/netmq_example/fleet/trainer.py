@@ -17,11 +17,11 @@ from typing import Any
 import zmq
 
 from netmq_example import arguments, check
+from netmq_example.asking import longer
 from netmq_example.finalizers import finalizer
 from netmq_example.messages import LIMIT, Message, take
 from netmq_example.one_process import OneProcess
 from netmq_example.program import limit
-from netmq_example.retries import longer
 from netmq_example.wire.records import is_record
 
 PEER = b"hub"

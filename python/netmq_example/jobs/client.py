@@ -22,13 +22,13 @@ from typing import Any
 import zmq
 
 from netmq_example import arguments, check
+from netmq_example.asking import longer, tried
 from netmq_example.beacon import BeaconSearch
 from netmq_example.errors import Refused, Timeout
 from netmq_example.former import positional
 from netmq_example.messages import LIMIT, Message, MessageError, take
 from netmq_example.one_process import OneProcess, one_at_a_time
 from netmq_example.program import Context, Socket, limit
-from netmq_example.retries import longer, tried
 
 STATUSES = ("succeeded", "canceled", "aborted")
 # The values of a message about a job, besides the job.
@@ -90,7 +90,7 @@ class JobClient(OneProcess):
         self.search = BeaconSearch(endpoint)
         # An id must never come twice, whichever program makes one: hence the uuid.
         self.job = uuid.uuid4().hex if job is None else job_id("job", job)
-        self.timeout = arguments.seconds("timeout", timeout)
+        self.timeout = check.seconds("timeout", timeout)
         self.tries = check.count("tries", tries)
         self.context: Context = arguments.context(context)
         self.report = log.warning

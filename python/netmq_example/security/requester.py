@@ -18,12 +18,12 @@ from typing import Any
 import zmq
 
 from netmq_example import arguments, check
+from netmq_example.asking import longer, tried
 from netmq_example.beacon import BeaconSearch
 from netmq_example.errors import Timeout
 from netmq_example.former import positional
 from netmq_example.one_process import OneProcess, one_at_a_time
 from netmq_example.program import Context, Socket, encoded, limit, option, text_of
-from netmq_example.retries import longer, tried
 from netmq_example.security.keys import checked, checked_path, load, make
 
 # Seconds between two tries, where the first was over at once.
@@ -77,7 +77,7 @@ class SecureRequester(OneProcess):
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5565", beacon=True)
         self.search = BeaconSearch(endpoint)
         self.keys: ClientKeys | None = check.instance("keys", keys, ClientKeys, type(None))
-        self.timeout = arguments.seconds("timeout", timeout)
+        self.timeout = check.seconds("timeout", timeout)
         self.tries = check.count("tries", tries)
         self.context: Context = arguments.context(context)
         self.report = log.warning

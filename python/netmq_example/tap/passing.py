@@ -41,7 +41,7 @@ class Trouble:
     lock: threading.Lock = field(default_factory=threading.Lock)
 
     def __post_init__(self) -> None:
-        check.seconds_or_none("slow", self.slow)
+        check.seconds("slow", self.slow, zero=True)
         if self.asked not in ("", *FATES):
             raise ValueError(f"asked is one of {', '.join(FATES)}, or empty, not {self.asked!r:.40}")
         if self.way not in ("", "up", "down"):

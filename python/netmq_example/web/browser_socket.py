@@ -15,7 +15,7 @@ import contextlib
 import zmq
 import zmq.asyncio
 
-from netmq_example import arguments, check, program
+from netmq_example import check, program
 from netmq_example.errors import Timeout
 
 # A peer that announces a larger message is disconnected before it is in memory.
@@ -38,7 +38,7 @@ class Requester:
     def __init__(self, context: zmq.asyncio.Context, endpoint: str, timeout: float) -> None:
         self.context: zmq.asyncio.Context = check.instance("context", context, zmq.asyncio.Context)
         self.endpoint = check.endpoint(endpoint, EXAMPLE)
-        self.timeout = arguments.seconds("timeout", timeout)
+        self.timeout = check.seconds("timeout", timeout)
         self.socket: zmq.asyncio.Socket | None = None
 
     async def ask(self, frames: list[bytes]) -> list[bytes]:
@@ -72,7 +72,7 @@ class Listener:
     def __init__(self, context: zmq.asyncio.Context, endpoint: str, timeout: float) -> None:
         self.context: zmq.asyncio.Context = check.instance("context", context, zmq.asyncio.Context)
         self.endpoint = check.endpoint(endpoint, EXAMPLE)
-        self.timeout = arguments.seconds("timeout", timeout)
+        self.timeout = check.seconds("timeout", timeout)
         self.topic: bytes | None = None
         self.newest: list[bytes] = []
         self.came = asyncio.Event()
