@@ -21,6 +21,15 @@ GYMIZES = {
 }
 
 
+class OtherSide:
+    """The words for it in what an environment reports. A socket that leads to more than one simulator has its own."""
+
+    # While an environment waits, and once it has waited in vain.
+    how_to_start = ": press Play"
+    state = "is it running?"
+    gone = "the simulator is gone"
+
+
 class MadeAnew:
     """A copy, or what comes out of a pickle, is an environment of its own, made of the same words.
 
