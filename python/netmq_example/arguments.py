@@ -44,14 +44,14 @@ def context(value: Any) -> Any:
 
 
 def keys(value: T, method: str = "apply", made: str = "ClientKeys(folder)") -> T:
-    """What netmq_example.security makes of a folder, or None."""
+    """The keys that netmq_example.security makes of a folder, or None."""
     if value is None or hasattr(value, method):
         return value
     raise TypeError(f"keys takes {made} of netmq_example.security, not {value!r:.40}")
 
 
 def function(name: str, value: T) -> T:
-    """Something that can be called."""
+    """The same for a function, or anything else that can be called."""
     if callable(value):
         return value
     raise TypeError(f"{name} takes a function, not {value!r:.40}")

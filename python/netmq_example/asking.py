@@ -1,4 +1,4 @@
-"""What a client's program does besides its lesson: its socket, what it says where nothing comes, and rarer options.
+"""A client's program does this besides its lesson: its socket, its words where nothing comes, and rarer options.
 
 options = client_options("Says Hello.", "tcp://127.0.0.1:5551", timeout=2.5).parse_args()
 with connected(zmq.REQ, options) as socket:
@@ -69,7 +69,7 @@ def at_eof() -> None:
 
 @contextlib.contextmanager
 def wrong_usage(parser: argparse.ArgumentParser, before: str = "", after: str = "") -> Iterator[None]:
-    """Around what makes use of options: what is wrong with them is named in one line, and the exit code is 2."""
+    """Put it around the use of options: a wrong one is named in one line, and the exit code is 2."""
     try:
         yield
     except (ValueError, Error) as error:
@@ -93,13 +93,13 @@ def connected(kind: int, options: argparse.Namespace, largest: int = LARGEST_BYT
 
 
 def cure(endpoint: str, otherwise: str) -> str:
-    """What to look at where nothing came: the host's name, if that is unknown. libzmq itself never says so."""
+    """Says where to look when nothing came: at the host's name, if that is unknown. libzmq itself never says so."""
     unknown = unknown_host(endpoint)
     return f"{unknown}: is it spelt so, and is the network there?" if unknown else otherwise
 
 
 def unknown_host(endpoint: str) -> str:
-    """What to say about a host that has no address. An empty text: it has one, or no name server says anything."""
+    """The line about a host that has no address. An empty text: it has one, or no name server says anything."""
     scheme, _, place = endpoint.partition("://")
     host = place.rpartition(":")[0]
     unknown: list[str] = []

@@ -163,7 +163,7 @@ class BeaconSearch:
         return f"tcp://{address}:{port}"
 
     def cure(self, otherwise: str) -> str:
-        """What to look at where nothing came: the network, as long as nobody has answered."""
+        """Says where to look when nothing came: at the network, as long as nobody has answered."""
         if not self.vain:
             return cure(self.endpoint, otherwise)
         broadcasts = [each for each in dict.fromkeys(self.broadcasts) if each in self.asked]

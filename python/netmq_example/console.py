@@ -35,7 +35,7 @@ MAKERS = ("socket", "__init__", "__new__")
 
 
 class Lines(io.FileIO):
-    """What a server prints. A pipe that nobody reads would soon hold the server up for ever."""
+    """A server prints by it. A pipe that nobody reads would soon hold the server up for ever."""
 
     wait_seconds = 0.5
     before: Any = None
@@ -73,7 +73,7 @@ def unhindered(stream: Any) -> Any:
 
 
 def printable(text: str, most: int = 200) -> str:
-    """What a peer sent, fit for one line of a terminal: no control characters, and so many characters at most."""
+    """A peer's text, fit for one line of a terminal: no control characters, and so many characters at most."""
     return "".join(c if c.isprintable() else "?" for c in text[:most]) + ("…" if len(text) > most else "")
 
 
@@ -84,7 +84,7 @@ def show(text: str) -> None:
 
 
 class LogLines(logging.Handler):
-    """What the package logs, as a program's own lines; a mistake in the user's code with its traceback."""
+    """The package's log as a program's own lines; a mistake in the user's code with its traceback."""
 
     def emit(self, record: logging.LogRecord) -> None:
         if record.exc_info:

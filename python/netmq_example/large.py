@@ -1,4 +1,4 @@
-"""What a server of large messages does besides: it copies no frame, and keeps few answers."""
+"""A server of large messages does this besides: it copies no frame, and keeps few answers."""
 
 import math
 

@@ -160,7 +160,7 @@ class LazyPirate(OneProcess):
 
 
 def refused(reply: str) -> Refused | None:
-    """What a text of the lessons' servers that begins with `error:` says, or None for another one."""
+    """The error in a text of the lessons' servers that begins with `error:`, or None for another text."""
     return Refused("error", reply[6:].strip()) if reply.startswith("error:") else None
 
 

@@ -36,7 +36,7 @@ log = logging.getLogger("netmq_example.client")
 
 
 class Outcome(NamedTuple):
-    """What became of a request, which is the first one where `number` is 1.
+    """The outcome of a request, which is the first one where `number` is 1.
 
     `reply` is the text as it came. `error` is None, or says why there is no reply; for one that begins with `error:`
     it is Refused.

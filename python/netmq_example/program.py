@@ -1,4 +1,4 @@
-"""What every program of this kit does besides its lesson: options, limits, the ready line, Ctrl-C. It needs only pyzmq.
+"""Every program of this kit has this besides its lesson: options, limits, the ready line, Ctrl-C. It needs only pyzmq.
 
     def main() -> None:
         options = server_options(__doc__, "tcp://127.0.0.1:5551").parse_args()
@@ -40,7 +40,7 @@ T = TypeVar("T")
 SLICE_MS = 200
 # The largest frame of a text message, in bytes. A peer that announces a larger one is disconnected before it arrives.
 LARGEST_BYTES = 65_536
-# What waits on a connection to be read, or two messages: ZeroMQ itself counts only messages, up to 1000.
+# So many bytes, or two messages, may wait on a connection to be read: ZeroMQ itself counts only messages, up to 1000.
 WAITING_BYTES = 64 * 1024 * 1024
 # No program of this kit needs more open files; and with fewer than the least libzmq ends it without a word of ours.
 MOST_FILES = 8192
@@ -54,7 +54,7 @@ class Options(argparse.ArgumentParser):
     """In a thread of another program, or in a notebook, a server has its defaults: the words are that program's."""
 
     def parse_args(self, words: Any = None, namespace: Any = None) -> Any:
-        # A notebook has no file, and the words are those of its kernel. What python -c runs has its own.
+        # A notebook has no file, and the words are those of its kernel. A program of python -c has its own.
         is_program = hasattr(sys.modules["__main__"], "__file__") or sys.argv[:1] == ["-c"]
         if words is None and not (is_program and threading.current_thread() is threading.main_thread()):
             words = []
@@ -226,7 +226,7 @@ def reply_to(answer: Callable[[str], str], request: bytes) -> bytes:
 
 
 def sendable(text: str) -> bytes:
-    """What `answer` has returned, in UTF-8. Misfit says why it cannot be sent, which may lie in the request."""
+    """The answer in UTF-8. Misfit says why it cannot be sent, which may lie in the request."""
     if not isinstance(text, str):
         raise Misfit(f"answer returned {text!r:.40}: return a text")
     try:

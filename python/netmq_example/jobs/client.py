@@ -95,9 +95,9 @@ class JobClient(OneProcess):
         self.context: Context = arguments.context(context)
         self.report = log.warning
         self.request = self.ask("status")
-        # What was wrong with a message of this try.
+        # The fault in a message of this try.
         self.dropped = ""
-        # What the socket is connected to, as soon as it is known where the server is.
+        # The socket's endpoint, as soon as it is known where the server is.
         self.where = ""
         self.socket = self.open()
 
