@@ -108,7 +108,7 @@ class BeaconSearch:
         self.unasked: list[str] = []
         self.asked: set[str] = set()
 
-    def look(self, wait: float) -> str:
+    def find(self, wait: float) -> str:
         """Such as tcp://192.168.0.7:5553; an empty text if there is no answer within so many seconds."""
         if not self.name:
             return self.endpoint
@@ -175,7 +175,7 @@ class BeaconSearch:
         )
 
     def close(self) -> None:
-        """The next look begins anew."""
+        """The next search begins anew."""
         if self.ear:
             self.ear.close()
         self.ear = None

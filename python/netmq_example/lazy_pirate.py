@@ -133,7 +133,7 @@ class LazyPirate(OneProcess):
     def connected(self, end: float) -> Socket:
         """zmq.Again if it is not known by then where the server is."""
         if not self.socket:
-            while not (where := self.search.look(SLICE_MS / 1000)):
+            while not (where := self.search.find(SLICE_MS / 1000)):
                 if self.stopped.is_set() or time.monotonic() > end:
                     raise zmq.Again
             self.socket = self.context.socket(zmq.REQ)

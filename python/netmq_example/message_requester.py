@@ -92,7 +92,7 @@ class MessageRequester(OneProcess):
         return received
 
     def connect(self, end: float) -> None:
-        where = self.search.look(max(0.0, end - time.monotonic()))
+        where = self.search.find(max(0.0, end - time.monotonic()))
         if where:
             self.socket = self.context.socket(zmq.REQ)
             # Above LIMIT a reply is refused by name. Above four times as much libzmq takes no more of it and hangs up.

@@ -80,7 +80,7 @@ class TopicListener(OneProcess):
         socket.heartbeat_ivl = HEARTBEAT_MS
         socket.heartbeat_timeout = HEARTBEAT_TIMEOUT_MS
         socket.subscribe(topic.encode(errors="replace"))
-        self.look()
+        self.find_server()
 
     def __iter__(self) -> Iterator[str]:
         """The text of each message until stop() or close(). Timeout if none comes."""
@@ -106,7 +106,7 @@ class TopicListener(OneProcess):
             if self.stopped.is_set():
                 raise Closed("the listener was stopped")
             if self.looking:
-                self.look()
+                self.find_server()
             try:
                 frames = self.socket.recv_multipart()
                 self.heard = True
@@ -123,9 +123,9 @@ class TopicListener(OneProcess):
                 self.looking = True
                 renew *= 3
 
-    def look(self) -> None:
+    def find_server(self) -> None:
         """Connect to where the publisher is. It does not wait for that: whoever receives comes again."""
-        where = self.search.look(0)
+        where = self.search.find(0)
         if not where:
             return
         self.looking = False

@@ -114,7 +114,7 @@ class DriverClient(OneProcess):
 
     def flush(self, socket: Socket, wait: float) -> None:
         if not self.where:
-            self.where = self.search.look(wait)
+            self.where = self.search.find(wait)
             if not self.where:
                 return
             socket.connect(self.where)

@@ -196,7 +196,7 @@ class JobClient(OneProcess):
     def send(self, request: Message) -> None:
         self.check_process()
         if not self.where:
-            self.where = self.search.look(SLICE_MS / 1000)
+            self.where = self.search.find(SLICE_MS / 1000)
             if self.where:
                 self.socket.connect(self.where)
         try:

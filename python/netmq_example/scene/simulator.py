@@ -219,7 +219,7 @@ class EnvironmentClient:
         socket.sndtimeo = int(1000 * TRY_SECONDS)
         if self.prepare:
             self.prepare(socket)
-        where = self.search.look(min(TRY_SECONDS, limit))
+        where = self.search.find(min(TRY_SECONDS, limit))
         if not where:
             # Nobody answers to the name: nothing is known about the line.
             raise ConnectionRefusedError(NO_CONNECTION)

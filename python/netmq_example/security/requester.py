@@ -119,7 +119,7 @@ class SecureRequester(OneProcess):
     def _try(self, request: bytes, timeout: float) -> tuple[str | None, str]:
         """One try: the reply, or what came in its place."""
         if not self.socket:
-            where = self.search.look(timeout)
+            where = self.search.find(timeout)
             if not where:
                 return None, f"nobody answers to this name within {timeout:g} s"
             self.socket = self._open(where)
