@@ -8,20 +8,14 @@ with connected(zmq.REQ, options) as socket:
 
 import argparse
 import contextlib
-import os
-import signal
-import socket
-import threading
 from collections.abc import Callable, Iterator
 
 import zmq
 
-from netmq_example import check, console
+from netmq_example import check
 from netmq_example.errors import Error, Timeout
 from netmq_example.program import LARGEST_BYTES, SLICE_MS, Options, Socket, checked, limit, option
-
-# So long a name server may take, in seconds; the system itself might wait for half a minute.
-LOOK_UP_SECONDS = 3.0
+from netmq_example.trouble import cure, unknown_host
 
 
 def client_options(about: str, endpoint: str, timeout: float, beacon: bool = False) -> argparse.ArgumentParser:
@@ -56,17 +50,6 @@ def at_least_one(text: str) -> int:
     return option(check.count, text, int)
 
 
-def at_eof() -> None:
-    """Ctrl-C, as soon as nobody can write to standard input: who started this program closed it, or is gone."""
-    try:
-        while os.read(0, 4096):
-            pass
-    except OSError:
-        # There is none.
-        pass
-    console.again(signal.SIGINT)
-
-
 @contextlib.contextmanager
 def wrong_usage(parser: argparse.ArgumentParser, before: str = "", after: str = "") -> Iterator[None]:
     """Put it around the use of options: a wrong one is named in one line, and the exit code is 2."""
@@ -90,41 +73,3 @@ def connected(kind: int, options: argparse.Namespace, largest: int = LARGEST_BYT
         except zmq.Again:
             why = cure(options.endpoint, f"is the server running, or its reply over {largest >> 10} KB?")
             raise Timeout(f"no reply from {options.endpoint} within {options.timeout:g} s; {why}") from None
-
-
-def cure(endpoint: str, otherwise: str) -> str:
-    """Says where to look when nothing came: at the host's name, if that is unknown. libzmq itself never says so."""
-    unknown = unknown_host(endpoint)
-    return f"{unknown}: is it spelt so, and is the network there?" if unknown else otherwise
-
-
-def unknown_host(endpoint: str) -> str:
-    """The line about a host that has no address. An empty text: it has one, or no name server says anything."""
-    scheme, _, place = endpoint.partition("://")
-    host = place.rpartition(":")[0]
-    unknown: list[str] = []
-
-    def look_up() -> None:
-        try:
-            socket.getaddrinfo(host, None)
-        except (OSError, UnicodeError):
-            unknown.append(f"unknown host '{host}'")
-
-    if scheme not in ("beacon", "ipc", "inproc"):
-        thread = threading.Thread(target=look_up, daemon=True, name="netmq_example look-up")
-        thread.start()
-        thread.join(LOOK_UP_SECONDS)
-    return "".join(unknown)
-
-
-def tried(count: int) -> str:
-    """How often, in words."""
-    return "1 try" if count == 1 else f"{count} tries"
-
-
-def longer(first: float, tries: int) -> float:
-    """How long to wait after so many tries in vain: each time twice as long, up to 8 times the first.
-
-    A new connection takes several round trips. On a slow line only a longer wait ever succeeds.
-    """
-    return first * 2.0 ** min(tries, 3)

@@ -20,9 +20,10 @@ T = TypeVar("T")
 
 # The names that netmq_example.program had, by the module that each has moved to.
 FROM_PROGRAM = {
-    "asking": "at_least_one client_endpoint client_options connected cure positive_seconds wrong_usage",
+    "asking": "at_least_one client_endpoint client_options connected positive_seconds wrong_usage",
     "console": "log_lines unhindered",
     "extras": "importing",
+    "trouble": "cure",
     "large": "few_answers_wait receive_frames",
 }
 

@@ -20,12 +20,12 @@ from typing import NamedTuple
 import zmq
 
 from netmq_example import arguments, check
-from netmq_example.asking import cure, longer, tried
 from netmq_example.errors import Error, MessageError, Timeout
 from netmq_example.former import positional
 from netmq_example.lazy_pirate import refused
 from netmq_example.one_process import Keys, OneProcess, one_at_a_time
 from netmq_example.program import LARGEST_BYTES, Context, limit, text_of
+from netmq_example.trouble import cure, longer, tried
 
 # The deadlines are checked this often. Shorter would cost more. Longer, and Ctrl-C would have to wait on Windows.
 SLICE_SECONDS = 0.05

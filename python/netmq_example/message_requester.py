@@ -12,13 +12,13 @@ import time
 import zmq
 
 from netmq_example import arguments, check
-from netmq_example.asking import longer, tried
 from netmq_example.beacon import BeaconSearch
 from netmq_example.errors import Closed, Timeout
 from netmq_example.lazy_pirate import PAUSE_SECONDS
 from netmq_example.messages import LIMIT, Message
 from netmq_example.one_process import Keys, OneProcess, one_at_a_time
 from netmq_example.program import SLICE_MS, Context, Socket, limit
+from netmq_example.trouble import longer, tried
 
 log = logging.getLogger("netmq_example.client")
 

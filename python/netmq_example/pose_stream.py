@@ -24,11 +24,11 @@ from typing import NamedTuple
 import zmq
 
 from netmq_example import arguments, check
-from netmq_example.asking import cure
 from netmq_example.errors import Error, Timeout
 from netmq_example.former import positional
 from netmq_example.one_process import Keys, OneProcess
 from netmq_example.program import SLICE_MS, Context, Socket, encoded, limit
+from netmq_example.trouble import cure
 
 # After so much silence a subscriber asks for a snapshot: the message that was lost may have been the last one.
 SILENCE_SECONDS = 1.0

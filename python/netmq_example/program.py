@@ -60,7 +60,7 @@ class Options(argparse.ArgumentParser):
             words = []
         found = super().parse_args(words, namespace)
         if getattr(found, "until_eof", False):
-            from netmq_example.asking import at_eof
+            from netmq_example.trouble import at_eof
 
             threading.Thread(target=at_eof, daemon=True).start()
         return found
@@ -189,7 +189,7 @@ def receive(socket: Socket, timeout: float = math.inf, copy: bool = True) -> lis
     end = time.monotonic() + timeout
     while True:
         try:
-            return socket.recv_multipart(copy=copy)
+            return list(socket.recv_multipart(0, copy))
         except zmq.Again:
             if time.monotonic() >= end:
                 raise

@@ -21,7 +21,6 @@ from typing import Any
 import zmq
 
 from netmq_example import arguments, check
-from netmq_example.asking import longer
 from netmq_example.beacon import BeaconSearch
 from netmq_example.console import printable
 from netmq_example.errors import MessageError, Refused, Timeout
@@ -29,6 +28,7 @@ from netmq_example.former import positional
 from netmq_example.messages import EXACT, LIMIT, Message
 from netmq_example.one_process import OneProcess
 from netmq_example.program import SLICE_MS, Context, Socket, limit
+from netmq_example.trouble import longer
 
 log = logging.getLogger("netmq_example.client")
 

@@ -17,12 +17,12 @@ from typing import Any
 import zmq
 
 from netmq_example import arguments, check
-from netmq_example.asking import longer
 from netmq_example.envs.common import OtherSide
 from netmq_example.finalizers import finalizer
 from netmq_example.messages import LIMIT, Message, take
 from netmq_example.one_process import OneProcess
 from netmq_example.program import limit
+from netmq_example.trouble import longer
 from netmq_example.wire.records import is_record
 
 PEER = b"hub"

@@ -22,13 +22,13 @@ from typing import Any
 import zmq
 
 from netmq_example import arguments, check
-from netmq_example.asking import longer, tried
 from netmq_example.beacon import BeaconSearch
 from netmq_example.errors import Refused, Timeout
 from netmq_example.former import positional
 from netmq_example.messages import LIMIT, Message, MessageError, take
 from netmq_example.one_process import OneProcess, one_at_a_time
 from netmq_example.program import Context, Socket, limit
+from netmq_example.trouble import longer, tried
 
 STATUSES = ("succeeded", "canceled", "aborted")
 # The values of a message about a job, besides the job.

@@ -22,13 +22,13 @@ from collections.abc import Callable, Iterator
 import zmq
 
 from netmq_example import arguments, check
-from netmq_example.asking import cure, longer
 from netmq_example.errors import Timeout
 from netmq_example.mlagents_envs.exception import UnitySideChannelException
 from netmq_example.mlagents_envs.side_channel.side_channel import LARGEST_EXCHANGE_BYTES
 from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
 from netmq_example.one_process import OneProcess
 from netmq_example.program import limit
+from netmq_example.trouble import cure, longer
 
 __all__ = ["Carrier", "ClientCarrier"]
 

@@ -19,7 +19,6 @@ import numpy as np
 import zmq
 
 from netmq_example import arguments, check
-from netmq_example.asking import longer
 from netmq_example.beacon import BeaconSearch
 from netmq_example.errors import Timeout
 from netmq_example.former import positional
@@ -29,6 +28,7 @@ from netmq_example.one_connection import NO_CONNECTION, TRY_SECONDS, connect_onc
 from netmq_example.program import SLICE_MS
 from netmq_example.scene.answers import answer_to, hello_of, options_in, picture_of, unknown
 from netmq_example.scene.simulation import Simulation
+from netmq_example.trouble import longer
 from netmq_example.wire import records
 from netmq_example.wire.records import RESET, STEP, Record
 from netmq_example.wire.space_bytes import Bytes

@@ -18,13 +18,13 @@ from typing import Any
 import zmq
 
 from netmq_example import arguments, check
-from netmq_example.asking import longer, tried
 from netmq_example.beacon import BeaconSearch
 from netmq_example.errors import Timeout
 from netmq_example.former import positional
 from netmq_example.one_process import OneProcess, one_at_a_time
 from netmq_example.program import Context, Socket, encoded, limit, option, text_of
 from netmq_example.security.keys import checked, checked_path, load, make
+from netmq_example.trouble import longer, tried
 
 # Seconds between two tries, where the first was over at once.
 PAUSE_SECONDS = 0.25

@@ -27,12 +27,12 @@ from typing import Any, NamedTuple
 import zmq
 
 from netmq_example import check
-from netmq_example.asking import cure, longer
 from netmq_example.errors import Lost, Refused, Timeout
 from netmq_example.former import positional
 from netmq_example.messages import LIMIT, Array, Message, MessageError, take
 from netmq_example.one_connection import NO_CONNECTION, TRY_SECONDS, connect_once, poll
 from netmq_example.program import limit
+from netmq_example.trouble import cure, longer
 
 # Pictures that were sent and are not acknowledged by Python yet, and pictures at all.
 MOST_SENT = 2

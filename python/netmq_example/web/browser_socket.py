@@ -17,6 +17,7 @@ import zmq.asyncio
 
 from netmq_example import check, program
 from netmq_example.errors import Timeout
+from netmq_example.one_process import Keys
 
 # A peer that announces a larger message is disconnected before it is in memory.
 LARGEST_BYTES = 4 * 1024 * 1024
@@ -25,9 +26,12 @@ MOST_FRAMES = 1000
 EXAMPLE = "tcp://127.0.0.1:5551"
 
 
-def for_browsers() -> zmq.asyncio.Context:
+def for_browsers(keys: Keys | None = None) -> zmq.asyncio.Context:
     """A context with a socket for each name of each browser, as Socket.IO has them: libzmq's own limit is 1023."""
     context = zmq.asyncio.Context()
+    if keys:
+        # To the servers the gateway is one client. Each new socket of a context has the context's options.
+        keys.apply(context)
     context.set(zmq.MAX_SOCKETS, program.MOST_FILES)
     return context
 
