@@ -102,10 +102,9 @@ def log_lines() -> None:
 
 def listen(*signals: int) -> None:
     """From now on these end the program. In another thread they stay the business of the main one."""
-    if threading.current_thread() is not threading.main_thread():
-        return
-    for number in signals:
-        signal.signal(number, interrupt)
+    if threading.current_thread() is threading.main_thread():
+        for number in signals:
+            signal.signal(number, interrupt)
 
 
 def interrupt(number: int, frame: FrameType | None) -> None:

@@ -16,6 +16,10 @@ class Error(Exception):
     """An error of the other side or the network; its text names cause and cure."""
 
 
+# Its name in version 0.3, which ends with the next one.
+GaveUp = Error
+
+
 class Timeout(Error, TimeoutError):
     """Nothing came in time. The request may have been carried out or not."""
 
