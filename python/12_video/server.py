@@ -2,7 +2,7 @@
 
     python python/12_video/server.py                      prints: listening on tcp://127.0.0.1:5562
     python python/12_video/client.py                      or: dotnet run --project csharp-console -- 12
-    python python/12_video/server.py --film drive.gif --view front --seconds 5        or .png, .webp, .mp4
+    python python/12_video/server.py --film drive.gif --view front --seconds 5        or .webp, .webm, .mp4
 
 Films each game that comes, every view, and prints for each: film front_1.gif: 100 frames, 4.0 s, 0 skipped
 Bytes: messages of lesson 05, see netmq_example/video/films.py.

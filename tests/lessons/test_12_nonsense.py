@@ -341,22 +341,6 @@ def test_a_line_that_cannot_be_told_ends_nothing(films, game):
     assert films.thread.is_alive()
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="the ffmpeg of this test is a shell script")
-def test_an_ffmpeg_that_hangs_is_killed(films, game, tmp_path, monkeypatch):
-    (tmp_path / "ffmpeg").write_text("#!/bin/sh\nexec sleep 600\n")
-    (tmp_path / "ffmpeg").chmod(0o755)
-    monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
-    monkeypatch.setattr(film_writer, "PICTURE_SECONDS", 0.5)
-    films.begin_render("one", "one.mp4", fps=100)
-    why = "its file has ended early: ffmpeg has ended: killed, because it did nothing for 0.5 s"
-    end = time.monotonic() + LIMIT
-    while not [line for line in films.lines if line.startswith("trouble: film one.mp4: ") and why in line]:
-        assert time.monotonic() < end, films.lines
-        time.sleep(0.01)
-    assert films.end_render("one").over
-    films.close()
-
-
 # Of the game's side
 
 

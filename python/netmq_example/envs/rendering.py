@@ -13,12 +13,13 @@ Without `render_fps` a picture is as long as a tick. With "rgb_array" each `rend
 "rgb_array_list" it is those that no `render` has returned yet, of this episode, or since `begin_render`.
 A view "" is the game's first one.
 
-ValueError names what was called wrongly, OSError says that there is no view or no ffmpeg. It needs numpy and Pillow.
+ValueError names what was called wrongly, OSError says that there is no view or no av. It needs numpy and Pillow, and
+av for an MP4.
 """
 
 import importlib
+import importlib.util
 import os
-import shutil
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -133,8 +134,8 @@ class Renderer:
             if sides[0] > there[view][0] or sides[1] > there[view][1]:
                 most = " x ".join(map(str, there[view]))
                 raise ValueError(f"{view} is at most {most}: set Width and Height of its ViewRecorder, or leave -1")
-        if self.mode == "video" and not shutil.which("ffmpeg"):
-            logger.warn("ffmpeg is not here: render_all can write .gif, .png and .webp, and no MP4")
+        if self.mode == "video" and not importlib.util.find_spec("av"):
+            logger.warn("av is not here: render_all can write .gif, .png and .webp, and no MP4")
         if self.size != (sides[0], sides[1]):
             self.films.end_all()
             self.size = (sides[0], sides[1])

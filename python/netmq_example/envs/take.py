@@ -4,7 +4,7 @@
     take.add(picture)                               uint8 [height, width, 3]
     take.film(Path("front.mp4"), fps=10)            its whole path; in place of a path None, an MP4 in bytes
 
-It needs numpy, and Pillow where a film is made.
+It needs numpy, and Pillow and av where a film is made.
 """
 
 import importlib
@@ -42,7 +42,7 @@ class Take:
         return pictures
 
     def film(self, path: Path | None, fps: float) -> Any:
-        """A file, of which the whole path is returned; without a path an MP4 in bytes. OSError: there is no ffmpeg."""
+        """A file, of which the whole path is returned; without a path an MP4 in bytes. OSError: av is missing."""
         if not path:
             with tempfile.TemporaryDirectory() as folder:
                 made = Path(folder) / "film.mp4"

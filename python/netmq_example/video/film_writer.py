@@ -1,6 +1,6 @@
 """Pictures become a film one by one, each shown as long as it was seen.
 
-    film = open_film("drive.gif")            or .png, .webp; with ffmpeg on the machine .mp4
+    film = open_film("drive.gif")            or .png, .webp; with PyAV .mp4 and .webm
     film.add(picture, 0.04)                  uint8 [height, width, 3], [height, width, 4] or grey [height, width], and
                                              the second at which it was seen
     film.close(5.0)                          when the last picture was over
@@ -8,25 +8,20 @@
 The file is whole after each picture: a kill leaves a film that plays, and so does a full disk. A file that exists is
 never written over, and a film without a picture leaves none.
 
-An MP4 has a constant rate, so a picture is repeated for as long as it was seen: its time is right to one picture of the
-film. One that was seen for less than that may be left out, but not the last one. ffmpeg writes it in fragments of a
-second, and ends the file when this program is gone.
+An MP4 and a WebM have some loss, and each picture its own time. A kill may take their last pictures. A side that is
+odd becomes one pixel longer.
 
-ValueError says what is no film and no picture, OSError what cannot be written. It needs numpy and Pillow.
+ValueError says what is no film and no picture, OSError what cannot be written. It needs numpy and Pillow,
+and av for an MP4 or a WebM.
 """
 
-import contextlib
 import errno
 import math
 import os
-import shutil
-import subprocess
-import tempfile
-import threading
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from netmq_example.extras import without
 
@@ -39,20 +34,38 @@ except ImportError as error:
 from netmq_example import check
 from netmq_example.video.film_formats import FORMATS, Format
 
-# Seconds that ffmpeg may take over one picture, and then over the end of the file.
-PICTURE_SECONDS = 10.0
-END_SECONDS = 30.0
-# H.264 and most of its viewers want an even number of rows and columns, and colours at half the size.
-EVEN_SIDES = "pad=ceil(iw/2)*2:ceil(ih/2)*2,format=yuv420p"
+MILLISECOND = Fraction(1, 1000)
+
+
+class Codec(NamedTuple):
+    """A codec with its options, and those of its file. Each picture is one packet, which is written at once."""
+
+    codec: str
+    options: dict[str, str]
+    container: dict[str, str]
+
+
+CODECS = {
+    ".mp4": Codec(
+        "libx264",
+        {"preset": "veryfast", "tune": "zerolatency", "crf": "23", "bf": "0"},
+        {"movflags": "frag_every_frame+empty_moov+default_base_moof", "flush_packets": "1"},
+    ),
+    ".webm": Codec(
+        "libvpx-vp9",
+        {"deadline": "realtime", "cpu-used": "8", "lag-in-frames": "0", "crf": "32", "b": "0"},
+        {"cluster_time_limit": "100", "flush_packets": "1"},
+    ),
+}
 
 
 def open_film(path: str | os.PathLike[str], fps: float = 25) -> "Film":
-    """A new file. Only an MP4 has a constant rate, `fps`; in the others each picture has its own time."""
+    """A new file. Each picture has its own time; `fps` is how often an MP4 or a WebM can be entered, once a second."""
     new = new_path("path", path)
     if not (check.is_number(fps) and 0 < fps <= 1000):
         raise ValueError(f"fps takes pictures a second, more than 0 and at most 1000, not {fps!r:.40}")
-    if new.suffix.lower() == ".mp4":
-        return Mp4Film(new, float(fps))
+    if new.suffix.lower() in CODECS:
+        return AvFilm(new, float(fps))
     return PictureFilm(new, FORMATS[new.suffix.lower()]())
 
 
@@ -61,8 +74,8 @@ def film_path(name: str, value: Any) -> Path:
     if not isinstance(value, str | os.PathLike):
         raise ValueError(f"{name} takes the name of a file, not {value!r:.40}")
     path = Path(value)
-    if path.suffix.lower() not in (*FORMATS, ".mp4"):
-        raise ValueError(f"'{path}' is no film: its name must end in {', '.join(FORMATS)} or .mp4")
+    if path.suffix.lower() not in (*FORMATS, *CODECS):
+        raise ValueError(f"'{path}' is no film: its name must end in {', '.join(FORMATS)}, .mp4 or .webm")
     return path
 
 
@@ -192,86 +205,74 @@ class PictureFilm(Film):
         self.end = self.at + len(data)
 
 
-class Mp4Film(Film):
-    """A film that ffmpeg makes, in a process of its own."""
+class AvFilm(Film):
+    """An MP4 or a WebM, encoded in this process by FFmpeg, which PyAV brings along."""
 
     def __init__(self, path: Path, fps: float) -> None:
-        if not shutil.which("ffmpeg"):
-            cure = "install it, or let the film end in .gif, .png or .webp"
-            raise OSError(f"an MP4 needs ffmpeg, which is not here: {cure}")
+        av = pyav()
+        how = CODECS[path.suffix.lower()]
+        if how.codec not in av.codecs_available:
+            raise OSError(f"this av has no {how.codec}: let the film end in .webm, .gif, .png or .webp")
         super().__init__(path)
-        # So it is known that it can be written, and that nothing is written over.
-        path.open("xb").close()
+        # Exclusive, and without a buffer: each packet is in the file at once.
+        self.file = path.open("xb", buffering=0)
         self.fps = fps
-        self.process: subprocess.Popen[bytes] | None = None
-        # The last picture, how many ffmpeg has got with the repeated ones, and whether it has not got that one yet.
-        self.last = b""
-        self.written = 0
-        self.unseen = False
-        self.errors = tempfile.TemporaryFile()  # noqa: SIM115, it lives as long as ffmpeg.
+        self.how = how
+        self.container = av.open(self.file, "w", format=path.suffix[1:].lower(), options=how.container)
+        self.stream: Any = None
+        # The packet of the last picture, whose length is known when the next one comes.
+        self.kept: Any = None
+        self.ticks = -1
 
     def write_picture(self, pixels: Any, time: float) -> None:
-        if not self.process:
-            self.process = self.start(*pixels.shape[:2])
-        self.repeat_last(time)
-        self.last = pixels.tobytes()
-        self.unseen = True
+        height, width = pixels.shape[:2]
+        # Colours at half the size want an even number of rows and columns.
+        even = np.pad(pixels, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")
+        if not self.stream:
+            self.start(*even.shape[:2])
+        frame = pyav().VideoFrame.from_ndarray(even, format="rgb24")
+        # No two pictures may have the same time.
+        self.ticks = max(self.ticks + 1, round((time - self.began) * 1000))
+        frame.pts = self.ticks
+        frame.time_base = MILLISECOND
+        self.write(self.stream.encode(frame))
 
     def write_end(self, time: float) -> None:
-        if not self.process:
-            self.path.unlink(missing_ok=True)
+        if self.file.closed:
             return
-        try:
-            self.repeat_last(time)
-            self.repeat(self.unseen)
-        finally:
-            # What is not written yet is written now.
-            with contextlib.suppress(OSError), self.limited(PICTURE_SECONDS):
-                self.process.stdin.close()  # type: ignore[union-attr]
-            with self.limited(END_SECONDS):
-                self.process.wait()
-        if self.process.returncode:
-            raise OSError(self.why())
+        with self.file:
+            if self.kept:
+                self.write(self.stream.encode())
+                end = round((time - self.began) / self.kept.time_base)
+                self.kept.duration = max(1, end - self.kept.pts)
+                self.container.mux(self.kept)
+            if self.stream:
+                self.container.close()
+        if not self.frames:
+            # Not a film, and it was made here.
+            self.path.unlink()
 
-    def start(self, height: int, width: int) -> subprocess.Popen[bytes]:
-        raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", f"{self.fps:g}", "-i", "-"]
-        whole = ["-bf", "0", "-g", str(max(1, round(self.fps))), "-movflags", "frag_keyframe+empty_moov"]
-        film = ["-vf", EVEN_SIDES, *whole, "-f", "mp4", str(self.path)]
-        command = ["ffmpeg", "-nostdin", "-loglevel", "error", "-y", *raw, *film]
-        # In a session of its own: Ctrl-C is for this program, which then ends the film.
-        return subprocess.Popen(command, stdin=subprocess.PIPE, stderr=self.errors, start_new_session=True)
+    def start(self, height: int, width: int) -> None:
+        rate = Fraction(self.fps).limit_denominator(1000)
+        self.stream = self.container.add_stream(self.how.codec, rate=rate, options=self.how.options)
+        self.stream.width = width
+        self.stream.height = height
+        self.stream.pix_fmt = "yuv420p"
+        self.stream.codec_context.time_base = MILLISECOND
+        self.stream.codec_context.gop_size = max(1, round(self.fps))
 
-    def repeat_last(self, until: float) -> None:
-        """The last picture, up to the one that is seen at that time."""
-        wanted = nearest(until - self.began, self.fps) if self.last else 0
-        self.repeat(wanted - self.written)
+    def write(self, packets: list[Any]) -> None:
+        for packet in packets:
+            if self.kept:
+                self.kept.duration = packet.pts - self.kept.pts
+                self.container.mux(self.kept)
+            self.kept = packet
 
-    def repeat(self, times: int) -> None:
-        for _ in range(times):
-            try:
-                with self.limited(PICTURE_SECONDS):
-                    self.process.stdin.write(self.last)  # type: ignore[union-attr]
-            except OSError:
-                raise OSError(self.why()) from None
-            self.written += 1
-            self.unseen = False
 
-    @contextlib.contextmanager
-    def limited(self, seconds: float) -> Iterator[None]:
-        """A process that reads nothing would be waited for without end: it is killed after so many seconds."""
-        timer = threading.Timer(seconds, self.kill, [seconds])
-        timer.name = "netmq_example ffmpeg"
-        timer.start()
-        try:
-            yield
-        finally:
-            timer.cancel()
-
-    def kill(self, seconds: float) -> None:
-        self.errors.write(f"killed, because it did nothing for {seconds:g} s\n".encode())
-        self.process.kill()  # type: ignore[union-attr]
-
-    def why(self) -> str:
-        self.errors.seek(0)
-        lines = self.errors.read().decode(errors="replace").split("\n")
-        return f"ffmpeg has ended: {next(filter(None, lines), 'it does not say why')[:200]}"
+def pyav() -> Any:
+    """Only an MP4 and a WebM need it, and a GIF does not."""
+    try:
+        import av
+    except ImportError as error:
+        raise OSError(f"{without(error)}; or let the film end in .gif, .png or .webp") from None
+    return av

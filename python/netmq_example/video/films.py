@@ -2,7 +2,7 @@
 
     films = Films()                                     the game comes to tcp://127.0.0.1:5562
     films.wait()                                        its views: {"front": (320, 240), "map": (320, 240)}
-    films.begin_render("front", "drive.gif", fps=25)    or .png, .webp, .mp4
+    films.begin_render("front", "drive.gif", fps=25)    or .png, .webp, .webm, .mp4
     ...                                                 whatever else Python does with the game
     film = films.end_render("front")                    logs: film drive.gif: 125 frames, 5.0 s, 0 skipped
     pictures = films.render_all()                       {"front": uint8 [240, 320, 3], "map": …}
@@ -20,7 +20,7 @@ since it began, and one array, uint8 [height, width, 3 or 4], with `bottom_up` t
 `view` is answered by `ended`, with `frames`, `skipped` and `time`. Python leaves with a
 `close`, answered by `closed`.
 
-The game's side is view_sender.py; in C# it is ViewSender.cs. It needs numpy and Pillow, and ffmpeg for an MP4.
+The game's side is view_sender.py; in C# it is ViewSender.cs. It needs numpy and Pillow, and av for an MP4 or a WebM.
 """
 
 import contextlib
