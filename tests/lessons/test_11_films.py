@@ -106,29 +106,35 @@ class Counter(Agent):
 
 
 @pytest.fixture
-def show(inside):
+def counter():
+    return Counter()
+
+
+@pytest.fixture
+def show(counter):
     """show(endpoint): two views of a scene, in which each pixel is ten times the steps."""
-    counter, games = Counter(), []
+    games = []
+
+    def draw(width, height):
+        return np.full((height, width, 3), 10 * counter.steps, np.uint8)
 
     def show(endpoint):
-        sizes = {"map": (32, 24), "front": (32, 24)}
-        draw = lambda width, height: np.full((height, width, 3), 10 * counter.steps, np.uint8)  # noqa: E731
-        games.append(Game(endpoint, sizes, draw))
+        games.append(Game(endpoint, {"map": (32, 24), "front": (32, 24)}, draw))
         return games[-1]
 
-    show.socket = inside(SceneSimulator("Count", 0.1, [counter])).socket
     yield show
     for game in games:
         game.end()
 
 
 @pytest.fixture
-def make(show, make):
+def make(counter, show, inside, make):
     """An environment of that scene, whose views come as well."""
+    socket = inside(SceneSimulator("Count", 0.1, [counter])).socket
 
     def made(kind=UnityGymEnv, shows=True, **words):
         endpoint = steady_endpoint()
-        where = {"env_name": "Count", "socket": show.socket, "view_endpoint": endpoint}
+        where = {"env_name": "Count", "socket": socket, "view_endpoint": endpoint}
         env = make(kind, **{**where, **(ONE if kind is UnityGymEnv else MANY), **words})
         if shows:
             show(endpoint)

@@ -137,8 +137,8 @@ class Game:
 
     def __init__(self, endpoint, sizes, draw=None):
         self.views = [FilmView(name, *size) for name, size in sizes.items()]
-        self.draw = draw or (lambda width, height: picture(self.step % 6, width, height))
         self.step = 0
+        self.draw = draw or (lambda width, height: picture(self.step % 6, width, height))
         self.over = threading.Event()
         self.sender = ViewSender(endpoint)
         self.threads = [threading.Thread(target=self.sender.run, args=(self.views, self.over))]
