@@ -24,7 +24,7 @@ from netmq_example.video import film_writer
 from netmq_example.video.films import Films
 from netmq_example.video.view_film import ViewFilm
 from netmq_example.video.view_sender import FilmView, ViewSender
-from tests.lessons.test_12_films import Game, films, game
+from tests.lessons.test_12_films import films, game
 from tests.lessons.test_12_video import KEY, filmer, shown
 
 
@@ -194,20 +194,6 @@ def test_nonsense_is_answered_and_ends_the_film_and_a_game_that_is_gone_leaves_i
     assert film.newest.shape == (8, 8, 3), "without alpha"
 
 
-def test_the_newest_pictures_are_those_of_the_game_that_is_there(films, game):
-    films.begin_render("two")
-    while not films.films["two"].frames:
-        time.sleep(0.01)
-    game.end()
-    third = Game(films.game.endpoint, {"three": (8, 8)})
-    try:
-        assert list(films.wait()) == ["three"]
-        assert list(films.render_all()) == ["three"]
-        assert films.end_render("two").frames, "what came of the first game"
-    finally:
-        third.end()
-
-
 def test_a_game_that_answers_too_late_is_not_filmed_for_ever(films, peer):
     peer.hello()
     films.timeout = 0.2
@@ -339,11 +325,12 @@ def test_what_nobody_foresaw_ends_the_films_and_not_their_thread(films, game, mo
     assert films.end_render("one").over
 
 
-def test_a_line_that_cannot_be_told_ends_nothing(films, game):
+def test_a_line_that_cannot_be_told_ends_nothing(films, game, monkeypatch):
     def fail(line):
         raise BrokenPipeError
 
-    films.print_line = fail
+    monkeypatch.setattr("netmq_example.video.films.log", SimpleNamespace(info=fail))
+    films.report = fail
     films.begin_render("one", "one.gif")
     assert films.end_render("one").over
     game.end()
