@@ -15,6 +15,8 @@ ValueError says what is no film and no picture, OSError what cannot be written. 
 and av for an MP4 or a WebM.
 """
 
+import errno
+import io
 import math
 import os
 from abc import ABC, abstractmethod
@@ -46,13 +48,13 @@ class Codec(NamedTuple):
 CODECS = {
     ".mp4": Codec(
         "libx264",
-        {"preset": "veryfast", "tune": "zerolatency", "crf": "23", "bf": "0"},
-        {"movflags": "frag_every_frame+empty_moov+default_base_moof", "flush_packets": "1"},
+        {"preset": "veryfast", "tune": "zerolatency", "crf": "23"},
+        {"movflags": "frag_every_frame+empty_moov+default_base_moof"},
     ),
     ".webm": Codec(
         "libvpx-vp9",
         {"deadline": "realtime", "cpu-used": "8", "lag-in-frames": "0", "crf": "32", "b": "0"},
-        {"cluster_time_limit": "100", "flush_packets": "1"},
+        {"cluster_time_limit": "0"},
     ),
 }
 
@@ -88,6 +90,18 @@ def usual_ending() -> str:
     return next(ending for ending, how in CODECS.items() if how.codec in pyav().codecs_available)
 
 
+class WholeWrites(io.FileIO):
+    """A file that gets all of what is written, or nothing: readers refuse an MP4 whose last part has lost its end."""
+
+    def write(self, data: Any) -> int:
+        end = self.tell()
+        if super().write(data) < len(data):
+            self.seek(end)
+            self.truncate()
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return len(data)
+
+
 class Film(ABC):
     """A film that open_film has begun. `frames` is how many pictures it has."""
 
@@ -97,7 +111,7 @@ class Film(ABC):
         self.shape: tuple[int, ...] = ()
         # When the first picture was seen.
         self.began = 0.0
-        self.file = path.open("xb")
+        self.file = WholeWrites(path, "x")
 
     def add(self, picture: Any, time: float) -> None:
         """The next picture, uint8 [height, width, 3], [height, width, 4] or grey [height, width], and the second at
@@ -111,7 +125,6 @@ class Film(ABC):
             self.began = seen
             self.shape = pixels.shape
         self.write_picture(pixels, seen - self.began)
-        self.file.flush()
         self.frames += 1
 
     def close(self, time: float) -> None:
