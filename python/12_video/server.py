@@ -2,9 +2,9 @@
 
     python python/12_video/server.py                      prints: listening on tcp://127.0.0.1:5562
     python python/12_video/client.py                      or: dotnet run --project csharp-console -- 12
-    python python/12_video/server.py --film drive.gif --view front --seconds 5        or .png, .webp, .mp4
+    python python/12_video/server.py --film drive.mp4 --view front --seconds 5        or .webm, .gif
 
-Films each game that comes, every view, and prints for each: film front_1.gif: 100 frames, 4.0 s, 0 skipped
+Films each game that comes, every view, and prints for each: film front_1.mp4: 100 frames, 4.0 s, 0 skipped
 Bytes: messages of lesson 05, see netmq_example/video/films.py.
 Trouble on command: `--slow 0.3` takes so long over each picture.
 """
@@ -20,7 +20,7 @@ import zmq
 from netmq_example.extras import importing
 from netmq_example.program import listening, option, run, seconds, server_options, show
 
-with importing("numpy and pillow; kit.py run 12 installs them"):
+with importing("numpy, pillow and av; kit.py run 12 installs them"):
     from netmq_example.errors import Error
     from netmq_example.messages import LIMIT, Message
     from netmq_example.video.film_writer import new_path
@@ -52,7 +52,7 @@ def new_film(text: str) -> Path:
 
 def main() -> None:
     parser = server_options(__doc__, "tcp://127.0.0.1:5562")
-    parser.add_argument("--film", type=new_film, help="the file of one view, such as drive.gif")
+    parser.add_argument("--film", type=new_film, help="the file of one view, such as drive.mp4")
     parser.add_argument("--view", default="", help="which view; all of them, or with --film the first")
     parser.add_argument("--seconds", type=seconds, default=4, help="how long to film")
     parser.add_argument("--fps", type=seconds, default=25, help="pictures a second")

@@ -2,31 +2,25 @@
 
 from __future__ import annotations
 
-import json
-import shutil
-import subprocess
 import sys
 import threading
 import time
+from types import SimpleNamespace
 
 import pytest
-import zmq
 
-from tests.programs import LIMIT
+from netmq_example.errors import Lost, Refused
+from tests.web import chromium
 
 np = pytest.importorskip("numpy", reason="lesson 12 needs numpy: kit.py run 12 installs it")
-Image = pytest.importorskip("PIL.Image", reason="lesson 12 needs Pillow: kit.py run 12 installs it")
-from netmq_example.errors import Lost, Refused  # noqa: E402
-from netmq_example.messages import Array, Message  # noqa: E402
-from netmq_example.video.film_writer import open_film  # noqa: E402
+pytest.importorskip("PIL", reason="lesson 12 needs Pillow: kit.py run 12 installs it")
+av = pytest.importorskip("av", reason="lesson 12 needs av: kit.py run 12 installs it")
+from netmq_example.video.film_writer import open_film, usual_ending  # noqa: E402
 from netmq_example.video.films import Films  # noqa: E402
 from netmq_example.video.view_sender import FilmView, ViewSender  # noqa: E402
-from tests.lessons.test_12_video import is_whole, shown  # noqa: E402
+from tests.lessons.test_12_video import shown  # noqa: E402
 
-each_format = pytest.mark.parametrize("end", [".gif", ".png", ".webp"])
-needs_ffmpeg = pytest.mark.skipif(not shutil.which("ffprobe"), reason="MP4 needs ffmpeg: apt install ffmpeg")
-# Seconds at which pictures were seen, and after which the last one was over.
-TIMES, END = [0.2, 0.24, 0.3, 0.31, 0.8, 1.0], 1.25
+each_ending = pytest.mark.parametrize("end", [".mp4", ".webm", ".gif"])
 
 
 def picture(number, width=64, height=48):
@@ -39,195 +33,114 @@ def picture(number, width=64, height=48):
 # The writer
 
 
-@each_format
-def test_a_film_has_its_pictures_and_their_times(end, tmp_path):
+@each_ending
+def test_uneven_times_come_back_also_of_odd_sides(end, tmp_path):
     film = open_film(tmp_path / f"film{end}")
-    for number, seen in enumerate(TIMES):
-        film.add(picture(number), seen)
-        # As if it was killed now.
-        assert len(shown(tmp_path / f"film{end}")[0]) == number + 1
-        assert is_whole(tmp_path / f"film{end}")
-    film.close(END)
-    pictures, times = shown(tmp_path / f"film{end}")
-    # GIF counts in hundredths.
-    assert times == pytest.approx([40, 60, 10, 490, 200, 250], abs=1e-6)
-    for number, pixels in enumerate(pictures):
-        # WebP has some loss.
-        assert np.abs(pixels.astype(int) - picture(number)).mean() <= (5 if end == ".webp" else 0)
-    with Image.open(tmp_path / f"film{end}") as again:
-        assert again.info["loop"] == 0, "it begins again"
-    with pytest.raises(ValueError, match="is there already, and nothing is written over"):
-        open_film(tmp_path / f"film{end}")
-
-
-def test_rounding_does_not_add_up(tmp_path):
-    """At 30 a second a GIF's steps of 0.01 s are 3, 3 and 4."""
-    film = open_film(tmp_path / "film.gif")
-    for number in range(90):
-        film.add(picture(number % 6), number / 30)
-    film.close(3)
-    _, times = shown(tmp_path / "film.gif")
-    assert sum(times) == 3000 and set(times) == {30, 40}
-
-
-def test_a_picture_is_shown_as_long_as_its_format_can_say(tmp_path):
-    for end, longest in ((".gif", 655_350), (".png", 65_535), (".webp", 16_777_215)):
-        film = open_film(tmp_path / f"film{end}")
-        film.add(picture(1), 0)
-        film.add(picture(2), 0)
-        film.close(1e6)
-        assert shown(tmp_path / f"film{end}")[1] == pytest.approx([0, longest])
-
-
-@pytest.mark.parametrize("count", [1, 2, 3, 30])
-@pytest.mark.parametrize("end", [".gif", ".png", ".webp", pytest.param(".mp4", marks=needs_ffmpeg)])
-@pytest.mark.parametrize("last", [0.04, 0.01])
-def test_readers_find_each_picture_and_its_time(last, end, count, tmp_path):
-    """Also the last one, when it was seen for a quarter of the time of the others."""
-    film = open_film(tmp_path / f"film{end}", 25)
-    for number in range(count):
-        film.add(picture(number % 6), number / 25)
-    film.close((count - 1) / 25 + last)
-    assert film.frames == count
-    if end == ".mp4":
-        times, _ = probed(film.path)
-        assert times == pytest.approx([number / 25 for number in range(count)], abs=1e-3)
-        return
+    for number, seen in enumerate((0.2, 0.24, 0.3, 0.31, 0.31, 0.8, 1.0)):
+        film.add(picture(number, 63, 47), seen)
+    film.close(1.25)
     pictures, times = shown(film.path)
-    assert times == pytest.approx([40] * (count - 1) + [1000 * last]) and len(pictures) == count
-    # Another reader; of animated WebP ffmpeg before 7 shows nothing.
-    if end != ".webp" and shutil.which("ffprobe"):
-        assert len(probed(film.path)[0]) == count
+    assert times == pytest.approx([40, 60, 10, 0, 490, 200, 250], abs=1.1)
+    assert pictures[0].shape == ((47, 63, 3) if end == ".gif" else (48, 64, 3))
+    for number, pixels in enumerate(pictures):
+        lost = np.abs(pixels[:47, :63].astype(int) - picture(number, 63, 47)).mean()
+        assert lost <= (0 if end == ".gif" else 12)
 
 
-def pixels(*shape):
-    return np.arange(np.prod(shape)).astype(np.uint8).reshape(shape)
+def test_a_gif_neither_favours_a_picture_nor_wraps_around(tmp_path):
+    """Of two hundred a second in a GIF's hundred each second one is seen."""
+    film = open_film(tmp_path / "film.gif")
+    for number in range(61):
+        film.add(np.full((16, 16, 3), 4 * number, np.uint8), 10 + number / 200)
+    film.close(1e6)
+    assert shown(film.path)[1] == [0, 10] * 30 + [655_350]
+    data = film.path.read_bytes()
+    assert b"NETSCAPE2.0" in data and data.endswith(b";"), "it begins again, and is whole"
 
 
-@pytest.mark.parametrize("end", [".gif", ".png", ".webp", pytest.param(".mp4", marks=needs_ffmpeg)])
+@each_ending
 @pytest.mark.parametrize("shape", [(48, 64), (48, 64, 4), (1, 1, 3), (7, 5)])
-def test_grey_and_transparent_pictures_of_any_size_make_films(end, shape, tmp_path):
+def test_one_picture_of_any_kind_is_a_film_and_what_is_none_leaves_it_whole(end, shape, tmp_path):
     film = open_film(tmp_path / f"film{end}")
-    for number in range(3):
-        film.add(pixels(*shape), number / 25)
-    film.close(3 / 25)
-    if end == ".mp4":
-        assert len(probed(film.path)[0]) == 3
-        return
-    (found, *_), times = shown(film.path)
-    wanted = pixels(*shape)[..., :3] if len(shape) == 3 else np.stack([pixels(*shape)] * 3, axis=2)
-    assert len(times) == 3 and found.shape == wanted.shape
-    if end != ".webp" and (end == ".png" or len(shape) == 2):
-        assert np.array_equal(found, wanted)
-
-
-@pytest.mark.parametrize("end", [".gif", ".png", ".webp", pytest.param(".mp4", marks=needs_ffmpeg)])
-def test_what_is_no_picture_is_refused_and_leaves_the_film_whole(end, tmp_path):
-    for wrong, form in (
-        (np.zeros((48, 64, 3)), r"float64 \[48, 64, 3\]"),
-        (pixels(3, 48, 64), r"uint8 \[3, 48, 64\]"),
-        (pixels(48), r"uint8 \[48\]"),
-        (pixels(0, 64, 3), r"uint8 \[0, 64, 3\]"),
-        (np.zeros((48, 64), bool), r"bool \[48, 64\]"),
-        (None, r"object \[\]"),
-    ):
-        film = open_film(tmp_path / f"film{end}")
-        with pytest.raises(ValueError, match=f"^picture takes uint8 .*, not {form}$"):
-            film.add(wrong, 0)
-        film.add(pixels(48, 64), 0)
-        with pytest.raises(ValueError, match=rf"^picture takes .*, not {form}$"):
-            film.add(wrong, 0.04)
-        with pytest.raises(ValueError, match="size of the first one"):
-            film.add(pixels(47, 64, 3), 0.04)
-        film.close(0.04)
-        assert len(probed(film.path)[0] if end == ".mp4" else shown(film.path)[0]) == 1
-        film.path.unlink()
-
-
-@pytest.mark.parametrize("end", [".gif", pytest.param(".mp4", marks=needs_ffmpeg)])
-def test_of_pictures_that_come_evenly_none_is_favoured(end, tmp_path):
-    """Of sixty a second in thirty each second one is seen."""
-    film = open_film(tmp_path / f"film{end}", 30)
-    rate = 60 if end == ".mp4" else 200
-    for number in range(60):
-        film.add(np.full((16, 16, 3), 4 * number, np.uint8), 10 + number / rate)
-    film.close(10 + 60 / rate)
+    pixels = np.arange(np.prod(shape)).astype(np.uint8).reshape(shape)
+    for _ in range(2):
+        with pytest.raises(ValueError, match=r"^picture takes uint8 .*, not float64 \["):
+            film.add(pixels / 1, 0)
+        if not film.frames:
+            film.add(pixels, 0)
+    film.close(0.04)
+    (seen,), times = shown(film.path)
+    assert times == [40]
     if end == ".gif":
-        assert shown(film.path)[1] == [0, 10] * 30
-        return
-    words = ["ffmpeg", "-v", "error", "-i", film.path, "-f", "rawvideo", "-pix_fmt", "gray", "-"]
-    said = subprocess.run(words, capture_output=True, timeout=LIMIT, check=True).stdout
-    seen = np.frombuffer(said, np.uint8)[:: 16 * 16].astype(int)
-    # Each is two pictures further, which are 8 lighter; H.264 has some loss.
-    assert len(seen) == 30 and all(6 <= apart <= 10 for apart in np.diff(seen))
+        assert seen.shape == (*shape[:2], 3)
+        assert len(shape) == 3 or np.array_equal(seen, np.stack([pixels] * 3, axis=2))
 
 
-@each_format
+@each_ending
 def test_a_film_without_a_picture_leaves_no_file(end, tmp_path):
     open_film(tmp_path / f"film{end}").close(1)
     assert list(tmp_path.iterdir()) == []
 
 
-def test_without_ffmpeg_an_mp4_says_what_to_do(tmp_path, monkeypatch):
-    monkeypatch.setenv("PATH", str(tmp_path))
-    with pytest.raises(OSError, match=r"needs ffmpeg, which is not here: install it, or let the film end in .gif"):
+def test_without_av_or_its_h264_a_line_says_what_to_do(tmp_path, monkeypatch):
+    assert usual_ending() == ".mp4"
+    monkeypatch.setitem(sys.modules, "av", SimpleNamespace(codecs_available={"libvpx-vp9"}))
+    assert usual_ending() == ".webm"
+    with pytest.raises(OSError, match=r"^this av has no libx264: let the film end in .webm or .gif$"):
+        open_film(tmp_path / "film.mp4")
+    monkeypatch.setitem(sys.modules, "av", None)
+    with pytest.raises(OSError, match=r"pip install av; or let the film end in \.gif$"):
         open_film(tmp_path / "film.mp4")
     assert list(tmp_path.iterdir()) == []
 
 
-def probed(path):
-    """The seconds at which ffprobe sees the pictures of a film, its size, and its length."""
-    words = ["ffprobe", "-v", "error", "-of", "json", "-show_entries", "frame=pts_time:stream=width,height"]
-    said = json.loads(subprocess.run([*words, path], capture_output=True, timeout=LIMIT, check=True).stdout)
-    return [float(frame["pts_time"]) for frame in said["frames"]], said["streams"][0]
-
-
-@needs_ffmpeg
-def test_an_mp4_repeats_pictures_for_as_long_as_they_were_seen(tmp_path):
-    film = open_film(tmp_path / "film.mp4", 20)
-    for number, seen in enumerate(TIMES):
-        # An odd size, which H.264 does not take as it is.
-        film.add(picture(number, 63, 47), seen)
-    film.close(END)
-    times, size = probed(tmp_path / "film.mp4")
-    assert times == pytest.approx([number / 20 for number in range(21)], abs=1e-3)
-    assert (size["width"], size["height"]) == (64, 48)
-
-
-@needs_ffmpeg
-def test_a_killed_program_leaves_an_mp4_that_plays(start, tmp_path):
+def killed(end, start, folder):
+    """A film whose program was killed after twenty pictures, of a second."""
     code = f"""
 import sys, time; sys.path[:0] = {sys.path!r}
 from tests.lessons.test_12_films import *
-film = open_film(Path("film.mp4"), 20)
-for number in range(60): film.add(picture(number % 6), number / 20)
+film = open_film("film{end}", 20)
+for number in range(20): film.add(picture(number % 6), number / 20)
 print("written", flush=True)
-time.sleep(60)
+time.sleep(600)
 """
-    program = start(sys.executable, "-c", "from pathlib import Path" + code, folder=tmp_path)
+    program = start(sys.executable, "-c", code, folder=folder)
     program.wait_for("^written")
     program.kill()
-    end = time.monotonic() + LIMIT
-    while len(times := probed_or_none(tmp_path / "film.mp4")) < 59:
-        assert time.monotonic() < end, times
+    return folder / f"film{end}"
 
 
-def probed_or_none(path):
-    try:
-        return probed(path)[0]
-    except (subprocess.CalledProcessError, KeyError, IndexError):
-        return []
+@each_ending
+def test_a_kill_takes_the_last_two_pictures_at_most(end, start, tmp_path):
+    pictures, times = shown(killed(end, start, tmp_path))
+    assert len(pictures) >= 18
+    assert times[:17] == pytest.approx([50] * 17, abs=1)
+
+
+@pytest.mark.xdist_group("chromium")
+@pytest.mark.parametrize("end", [".mp4", ".webm"])
+def test_a_browser_plays_what_a_kill_left(end, start, tmp_path):
+    if not chromium.find():
+        pytest.skip(chromium.MISSING)
+    film = killed(end, start, tmp_path)
+    page = tmp_path / "page.html"
+    page.write_text(f'<video src="{film.name}" autoplay muted></video>')
+    with chromium.Chromium() as browser:
+        video = browser.open(page.as_uri())
+        video.wait_for("document.querySelector('video').ended")
+        assert video.evaluate("document.querySelector('video').currentTime") >= 0.8
 
 
 # Films, as a script uses them
 
 
 class Game:
-    """A game of two views in a thread: its pictures are `picture(step)`."""
+    """A game in two threads. Its pictures are `draw(width, height)`, or one after the other those of `picture`."""
 
-    def __init__(self, endpoint, sizes=None):
-        sizes = sizes or {"one": (64, 48), "two": (32, 24)}
+    def __init__(self, endpoint, sizes, draw=None):
         self.views = [FilmView(name, *size) for name, size in sizes.items()]
+        self.step = 0
+        self.draw = draw or (lambda width, height: picture(self.step % 6, width, height))
         self.over = threading.Event()
         self.sender = ViewSender(endpoint)
         self.threads = [threading.Thread(target=self.sender.run, args=(self.views, self.over))]
@@ -236,14 +149,12 @@ class Game:
             thread.start()
 
     def play(self):
-        step = 0
         while not self.over.wait(0.01):
-            step = (step + 1) % 6
+            self.step += 1
             for view in self.views:
                 if due := view.due():
                     # The lowest row first.
-                    pixels = np.ascontiguousarray(picture(step, due.film.width, due.film.height)[::-1])
-                    view.take(due, pixels)
+                    view.take(due, np.ascontiguousarray(self.draw(due.film.width, due.film.height)[::-1]))
 
     def end(self):
         self.over.set()
@@ -272,8 +183,9 @@ def films(tmp_path, monkeypatch):
 
 @pytest.fixture
 def game(films):
-    game = Game(films.game.endpoint)
-    assert films.wait() == {"one": (64, 48), "two": (32, 24)}
+    sizes = {"one": (64, 48), "two": (32, 24)}
+    game = Game(films.game.endpoint, sizes)
+    assert films.wait() == sizes
     yield game
     game.end()
 
@@ -287,47 +199,26 @@ def known(pixels):
 def test_films_at_the_same_time_and_the_newest_pictures(films, game, tmp_path):
     films.begin_render(path="one.gif", fps=50)
     # So few that a busy machine's game, which makes fewer than 50 of the other one, makes more of that all the same.
-    films.begin_render("two", "two.png", width=16, height=12, fps=1)
+    films.begin_render("two", "two.mp4", width=16, height=12, fps=1)
     while films.films["one"].frames < 10:
         time.sleep(0.01)
     seen = films.render_all()
     assert list(seen) == ["one", "two"] and seen["two"].shape == (12, 16, 3)
     assert all(known(pixels) for pixels in seen.values()), "upright"
     one, two = films.end_render("one"), films.end_render("two")
-    assert films.lines[:2] == ["begin one 64 x 48", "begin two 16 x 12"]
-    assert films.lines[2:] == [str(one), str(two)]
+    assert films.lines == ["begin one 64 x 48", "begin two 16 x 12", str(one), str(two)]
     for film in (one, two):
         pictures, times = shown(film.path)
-        assert len(pictures) == film.frames and all(known(pixels) for pixels in pictures)
+        assert len(pictures) == film.frames
+        assert film is two or all(known(pixels) for pixels in pictures)
         assert sum(times) == pytest.approx(1000 * film.seconds, abs=10)
     assert one.frames > 2 * two.frames
     # Of views that nobody films as well, and no file is made of them.
-    assert {view: pixels.shape for view, pixels in films.render_all().items()} == {
-        "one": (48, 64, 3),
-        "two": (24, 32, 3),
-    }
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["one.gif", "two.png"]
-
-
-def test_with_a_rate_of_0_there_are_the_pictures_that_were_asked_for(films, game):
-    for view in ("one", "two"):
-        films.begin_render(view, None, fps=0)
-    for _ in range(3):
-        assert all(known(pixels) for pixels in films.look(["one", "two"]).values())
-    films.look(["two"])
-    assert [(film.frames, film.skipped) for film in map(films.end_render, ("one", "two"))] == [(3, 0), (4, 0)]
+    assert [pixels.shape for pixels in films.render_all().values()] == [(48, 64, 3), (24, 32, 3)]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["one.gif", "two.mp4"]
 
 
 def test_what_cannot_be_done_is_said(films, game, tmp_path):
-    for wrong, why in (
-        ({"view": "side"}, "unknown-view: there is no view 'side'; there are: one, two"),
-        ({"width": 65}, "bad-size: one is at most 64 x 48"),
-        ({"fps": 1001, "path": None}, "bad-rate: fps is at most 1000, and 0 for pictures on demand alone"),
-    ):
-        with pytest.raises(Refused, match=why):
-            films.begin_render(**wrong)
-    with pytest.raises(Refused, match="not-filmed: one is not being filmed"):
-        films.end_render("one")
     with pytest.raises(OSError, match="No such file or directory"):
         films.begin_render("one", "nowhere/film.gif")
     films.begin_render("one", width=-1, height=-1)
@@ -336,30 +227,28 @@ def test_what_cannot_be_done_is_said(films, game, tmp_path):
     while not films.films["one"].frames:
         time.sleep(0.01)
     assert films.end_render("one").frames
-    assert [path.name for path in tmp_path.iterdir()] == ["one_1.gif"], "what was refused left no file"
-    with pytest.raises(
-        OSError, match=r"close\(\) the Films that have it, or end the other program, or take another port"
-    ):
+    assert [path.name for path in tmp_path.iterdir()] == ["one_1.mp4"], "what was refused left no file"
+    with pytest.raises(OSError, match=r"close\(\) the Films that have it, or end the other program, or take another"):
         Films(films.game.endpoint)
 
 
 def test_nothing_that_is_there_is_deleted_or_written_over(films, game, tmp_path, runs):
     """gymize deleted a folder `tmp` beside its video."""
     (tmp_path / "tmp").mkdir()
-    kept = {tmp_path / name: name.encode() for name in ("tmp/mine.txt", "one_1.gif")}
+    kept = {tmp_path / name: name.encode() for name in ("tmp/mine.txt", "one_1.mp4")}
     for path, text in kept.items():
         path.write_bytes(text)
     for view in ("one", "two"):
         films.begin_render(view)
     assert all(picture.any() for picture in films.render_all().values())
-    assert [films.end_render(view).path.name for view in ("one", "two")] == ["one_2.gif", "two_1.gif"]
+    assert [films.end_render(view).path.name for view in ("one", "two")] == ["one_2.mp4", "two_1.mp4"]
     words = ["--endpoint", "tcp://127.0.0.1:0", "--film"]
-    there, other = runs("server", "12_video", [[*words, str(tmp_path / "one_1.gif")], [*words, "drive.avi"]])
+    there, other = runs("server", "12_video", [[*words, str(tmp_path / "one_1.mp4")], [*words, "drive.webp"]])
     assert there.code == other.code == 2
-    assert "one_1.gif' is there already, and nothing is written over: give another name" in there.lines[-1]
-    assert "'drive.avi' is no film: its name must end in .gif, .png, .apng, .webp or .mp4" in other.lines[-1]
+    assert "one_1.mp4' is there already, and nothing is written over: give another name" in there.lines[-1]
+    assert "'drive.webp' is no film: its name must end in .mp4, .webm or .gif" in other.lines[-1]
     assert {path: path.read_bytes() for path in kept} == kept
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["one_1.gif", "one_2.gif", "tmp", "two_1.gif"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["one_1.mp4", "one_2.mp4", "tmp", "two_1.mp4"]
 
 
 @pytest.fixture
@@ -373,14 +262,13 @@ def small_disk():
 
 
 def test_a_full_disk_ends_the_film_and_not_the_game(films, game, small_disk):
-    for end in (".gif", ".png", ".webp"):
+    for end in (".mp4", ".webm", ".gif"):
         films.begin_render("one", f"full{end}", fps=100)
         while not films.films["one"].trouble:
             time.sleep(0.01)
         film = films.end_render("one")
         assert film.over and "its file has ended early: [" in film.trouble
-        assert len(shown(film.path)[0]) == film.frames >= 1
-        assert is_whole(film.path)
+        assert film.frames - 2 <= len(shown(film.path)[0]) <= film.frames
         assert len([line for line in films.lines if line.startswith(f"trouble: film full{end}: ")]) == 1
 
 
@@ -392,7 +280,7 @@ def test_a_second_game_is_busy_and_takes_the_place_of_one_that_is_gone(films, ga
             time.sleep(0.01)
         assert not second.sender.connected
         game.end()
-        assert list(films.wait()) == ["three"]
+        assert list(films.wait()) == list(films.render_all()) == ["three"]
         film = films.end_render("one")
         assert film.over and film.frames == len(shown(film.path)[0])
         assert f"trouble: the game is gone; {film}" in films.lines
@@ -403,42 +291,3 @@ def test_a_second_game_is_busy_and_takes_the_place_of_one_that_is_gone(films, ga
             films.begin_render("three")
     finally:
         second.end()
-
-
-def test_a_game_that_sends_nonsense_gets_errors_and_the_film_goes_on(films, context):
-    with context.socket(zmq.DEALER) as peer:
-        peer.linger = 0
-        peer.connect(films.game.endpoint)
-
-        def said(*frames):
-            peer.send_multipart(frames or hello("a b").frames())
-            assert peer.poll(100_000)
-            return json.loads(peer.recv_multipart()[0])
-
-        def hello(names, size=b"\x08\0\0\0\x08\0\0\0"):
-            return Message("hello", 1, {"views": names}, [Array("int32", (1, 2), size)])
-
-        films.start()
-        for names in ("../evil", "", "a,b", "x" * 41):
-            assert said(*hello(names).frames())["values"]["code"] == "bad-views"
-        assert said(*Message("frame", 7, {"view": "a"}).frames())["values"]["code"] == "unknown-peer"
-        assert said(b"{}")["kind"] == "error"
-        assert said()["kind"] == "welcome"
-        begin = threading.Thread(target=films.begin_render, args=("a b", "film.gif"))
-        begin.start()
-        while (message := json.loads(peer.recv_multipart()[0]))["kind"] != "begin":
-            pass
-        id, values = message["id"], {"view": "a b", "width": 8, "height": 8}
-        peer.send_multipart(Message("begun", id, values).frames())
-        begin.join()
-        shapes = [(8, 8, 3), (8, 8, 4), (8, 9, 3), (8, 8), (8, 8, 4)]
-        for number, shape in enumerate(shapes, 1):
-            values = {"view": "a b", "number": number, "time": number / 10, "bottom_up": False}
-            data = Array("uint8", shape, bytes(int(np.prod(shape))))
-            assert said(*Message("frame", id, values, [data]).frames())["kind"] == "took"
-    while films.game.views:
-        time.sleep(0.01)
-    film = films.end_render("a b")
-    assert [line for line in films.lines if "bad-picture" in line and line.startswith("trouble: film")]
-    assert len(shown(film.path)[0]) == film.frames == 2
-    assert film.newest.shape == (8, 8, 3), "without alpha"

@@ -13,12 +13,13 @@ Without `render_fps` a picture is as long as a tick. With "rgb_array" each `rend
 "rgb_array_list" it is those that no `render` has returned yet, of this episode, or since `begin_render`.
 A view "" is the game's first one.
 
-ValueError names what was called wrongly, OSError says that there is no view or no ffmpeg. It needs numpy and Pillow.
+ValueError names what was called wrongly, OSError says that there is no view or no av. It needs numpy and Pillow, and
+av for an MP4.
 """
 
 import importlib
+import importlib.util
 import os
-import shutil
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -28,7 +29,7 @@ from gymnasium import logger
 from netmq_example import arguments
 from netmq_example.envs.common import gives_pictures
 from netmq_example.envs.connection import FREE_PORT, Accept, Simulators
-from netmq_example.envs.take import Take
+from netmq_example.envs.take import Take, film_writer
 from netmq_example.errors import Lost, Timeout
 from netmq_example.finalizers import finalizer
 from netmq_example.video.game import ENDPOINT, side
@@ -133,8 +134,8 @@ class Renderer:
             if sides[0] > there[view][0] or sides[1] > there[view][1]:
                 most = " x ".join(map(str, there[view]))
                 raise ValueError(f"{view} is at most {most}: set Width and Height of its ViewRecorder, or leave -1")
-        if self.mode == "video" and not shutil.which("ffmpeg"):
-            logger.warn("ffmpeg is not here: render_all can write .gif, .png and .webp, and no MP4")
+        if self.mode == "video" and not importlib.util.find_spec("av"):
+            logger.warn("av is not here: render_all can write a .gif, and no MP4")
         if self.size != (sides[0], sides[1]):
             self.films.end_all()
             self.size = (sides[0], sides[1])
@@ -254,7 +255,4 @@ def films_at(endpoint: str) -> Any:
 
 
 def film_path(path: Any) -> Path | None:
-    if path is None:
-        return None
-    writer = importlib.import_module("netmq_example.video.film_writer")
-    return writer.film_path("video_paths", path)  # type: ignore[no-any-return]
+    return None if path is None else film_writer().film_path("video_paths", path)

@@ -3,8 +3,9 @@
     take = Take()
     take.add(picture)                               uint8 [height, width, 3]
     take.film(Path("front.mp4"), fps=10)            its whole path; in place of a path None, an MP4 in bytes
+                                                    or, where av has no H.264, a WebM
 
-It needs numpy, and Pillow where a film is made.
+It needs numpy, and Pillow and av where a film is made.
 """
 
 import importlib
@@ -42,10 +43,10 @@ class Take:
         return pictures
 
     def film(self, path: Path | None, fps: float) -> Any:
-        """A file, of which the whole path is returned; without a path an MP4 in bytes. OSError: there is no ffmpeg."""
+        """The whole path of the file, or without a path its bytes. OSError: av is missing."""
         if not path:
             with tempfile.TemporaryDirectory() as folder:
-                made = Path(folder) / "film.mp4"
+                made = Path(folder) / f"film{film_writer().usual_ending()}"
                 self.write(made, fps)
                 return made.read_bytes()
         # Beside what it replaces, and so on the same disk: a film that fails leaves what was there under its name.
@@ -59,7 +60,7 @@ class Take:
         return os.path.abspath(path)
 
     def write(self, path: Path, fps: float) -> None:
-        film = importlib.import_module("netmq_example.video.film_writer").open_film(path, fps)
+        film = film_writer().open_film(path, fps)
         try:
             for number, pixels in enumerate(self.pictures()):
                 film.add(pixels, number / fps)
@@ -69,3 +70,8 @@ class Take:
     def clear(self) -> None:
         self.file.truncate(0)
         self.shapes = []
+
+
+def film_writer() -> Any:
+    """Lesson 12's, whose Pillow nobody needs who makes no film."""
+    return importlib.import_module("netmq_example.video.film_writer")

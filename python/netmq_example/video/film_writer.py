@@ -1,59 +1,70 @@
 """Pictures become a film one by one, each shown as long as it was seen.
 
-    film = open_film("drive.gif")            or .png, .webp; with ffmpeg on the machine .mp4
+    film = open_film("drive.mp4")            or .webm, .gif
     film.add(picture, 0.04)                  uint8 [height, width, 3], [height, width, 4] or grey [height, width], and
                                              the second at which it was seen
     film.close(5.0)                          when the last picture was over
 
-The file is whole after each picture: a kill leaves a film that plays, and so does a full disk. A file that exists is
-never written over, and a film without a picture leaves none.
+A kill or a full disk leaves a film that plays, without its last pictures. A file that exists is never written over, and
+a film without a picture leaves none.
 
-An MP4 has a constant rate, so a picture is repeated for as long as it was seen: its time is right to one picture of the
-film. One that was seen for less than that may be left out, but not the last one. ffmpeg writes it in fragments of a
-second, and ends the file when this program is gone.
+An MP4 and a WebM have some loss, and a side that is odd becomes one pixel longer. A GIF has 256 colours a picture, and
+times in steps of 0.01 s.
 
-ValueError says what is no film and no picture, OSError what cannot be written. It needs numpy and Pillow.
+ValueError says what is no film and no picture, OSError what cannot be written. It needs numpy and Pillow,
+and av for an MP4 or a WebM.
 """
 
-import contextlib
 import errno
+import io
 import math
 import os
-import shutil
-import subprocess
-import tempfile
-import threading
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from netmq_example.extras import without
 
 try:
     import numpy as np
-    from PIL import Image
+    from PIL import GifImagePlugin, Image
 except ImportError as error:
     raise without(error) from None
 
 from netmq_example import check
-from netmq_example.video.film_formats import FORMATS, Format
 
-# Seconds that ffmpeg may take over one picture, and then over the end of the file.
-PICTURE_SECONDS = 10.0
-END_SECONDS = 30.0
-# H.264 and most of its viewers want an even number of rows and columns, and colours at half the size.
-EVEN_SIDES = "pad=ceil(iw/2)*2:ceil(ih/2)*2,format=yuv420p"
+MILLISECOND = Fraction(1, 1000)
+
+
+class Codec(NamedTuple):
+    """A codec with its options, and those of its file. Each picture is one packet, which is written at once."""
+
+    codec: str
+    options: dict[str, str]
+    container: dict[str, str]
+
+
+CODECS = {
+    ".mp4": Codec(
+        "libx264",
+        {"preset": "veryfast", "tune": "zerolatency", "crf": "23"},
+        {"movflags": "frag_every_frame+empty_moov+default_base_moof"},
+    ),
+    ".webm": Codec(
+        "libvpx-vp9",
+        {"deadline": "realtime", "cpu-used": "8", "lag-in-frames": "0", "crf": "32", "b": "0"},
+        {"cluster_time_limit": "0"},
+    ),
+}
 
 
 def open_film(path: str | os.PathLike[str], fps: float = 25) -> "Film":
-    """A new file. Only an MP4 has a constant rate, `fps`; in the others each picture has its own time."""
+    """A new file. Each picture has its own time; `fps` is how often an MP4 or a WebM can be entered, once a second."""
     new = new_path("path", path)
     if not (check.is_number(fps) and 0 < fps <= 1000):
         raise ValueError(f"fps takes pictures a second, more than 0 and at most 1000, not {fps!r:.40}")
-    if new.suffix.lower() == ".mp4":
-        return Mp4Film(new, float(fps))
-    return PictureFilm(new, FORMATS[new.suffix.lower()]())
+    return AvFilm(new, float(fps)) if new.suffix.lower() in CODECS else GifFilm(new)
 
 
 def film_path(name: str, value: Any) -> Path:
@@ -61,8 +72,8 @@ def film_path(name: str, value: Any) -> Path:
     if not isinstance(value, str | os.PathLike):
         raise ValueError(f"{name} takes the name of a file, not {value!r:.40}")
     path = Path(value)
-    if path.suffix.lower() not in (*FORMATS, ".mp4"):
-        raise ValueError(f"'{path}' is no film: its name must end in {', '.join(FORMATS)} or .mp4")
+    if path.suffix.lower() not in (*CODECS, ".gif"):
+        raise ValueError(f"'{path}' is no film: its name must end in {', '.join(CODECS)} or .gif")
     return path
 
 
@@ -74,8 +85,25 @@ def new_path(name: str, value: Any) -> Path:
     return path
 
 
+def usual_ending() -> str:
+    """That of a film without a name: .mp4, or .webm where av is built without H.264, as on a 32-bit Raspberry Pi."""
+    return next(ending for ending, how in CODECS.items() if how.codec in pyav().codecs_available)
+
+
+class WholeWrites(io.FileIO):
+    """A file that gets all of what is written, or nothing: readers refuse an MP4 whose last part has lost its end."""
+
+    def write(self, data: Any) -> int:
+        end = self.tell()
+        if super().write(data) < len(data):
+            self.seek(end)
+            self.truncate()
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return len(data)
+
+
 class Film(ABC):
-    """What open_film returns. `frames` is how many pictures it has."""
+    """A film that open_film has begun. `frames` is how many pictures it has."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -83,6 +111,7 @@ class Film(ABC):
         self.shape: tuple[int, ...] = ()
         # When the first picture was seen.
         self.began = 0.0
+        self.file = WholeWrites(path, "x")
 
     def add(self, picture: Any, time: float) -> None:
         """The next picture, uint8 [height, width, 3], [height, width, 4] or grey [height, width], and the second at
@@ -95,15 +124,24 @@ class Film(ABC):
         if not self.frames:
             self.began = seen
             self.shape = pixels.shape
-        self.write_picture(pixels, seen)
+        self.write_picture(pixels, seen - self.began)
         self.frames += 1
 
     def close(self, time: float) -> None:
         """The last picture was over at this second."""
-        self.write_end(moment(time))
+        end = moment(time)
+        if self.file.closed:
+            return
+        with self.file:
+            if self.frames:
+                self.write_end(end - self.began)
+        if not self.frames:
+            # Not a film, and it was made here.
+            self.path.unlink()
 
     @abstractmethod
-    def write_picture(self, pixels: Any, time: float) -> None: ...
+    def write_picture(self, pixels: Any, time: float) -> None:
+        """Here and in write_end the time is in seconds since the first picture."""
 
     @abstractmethod
     def write_end(self, time: float) -> None: ...
@@ -119,159 +157,111 @@ def rgb(picture: Any) -> Any:
     return np.repeat(pixels[:, :, None], 3, axis=2) if grey else np.ascontiguousarray(pixels[:, :, :3])
 
 
-def nearest(seconds: float, rate: float) -> int:
-    """In ticks, of which there are `rate` to a second."""
-    # The middle goes down, also after a rounding error. Up, the last of 60 pictures a second in 30 would be one too
-    # many; and by round(), to even numbers, some would be seen twice and others never.
-    return math.ceil(seconds * rate - 0.5 - 1e-6)
-
-
 def moment(time: Any) -> float:
     if check.is_number(time):
         return float(time)
     raise ValueError(f"time takes a number of seconds, not {time!r:.40}")
 
 
-class PictureFilm(Film):
-    """A film in one of Pillow's formats.
+class GifFilm(Film):
+    """A GIF, encoded by Pillow. A picture is written when the next one comes and says how long it was seen."""
 
-    How long a picture is seen is known when the next one comes: it is written at once, and then again with its time.
-    """
-
-    def __init__(self, path: Path, format: Format) -> None:
-        super().__init__(path)
-        self.format = format
-        # Exclusive, and without a buffer: what is written is in the file at once.
-        self.file = path.open("xb", buffering=0)
-        # The last picture, and when it was seen.
-        self.body = b""
-        self.time = 0.0
-        # Where the last picture begins, and where the film ends.
-        self.at = 0
-        self.end = 0
+    # The last picture, and the hundredth of a second in which it was seen.
+    image: Any = None
+    begin = 0
 
     def write_picture(self, pixels: Any, time: float) -> None:
-        image = Image.fromarray(pixels)
-        before = self.last_picture(time) if self.frames else self.format.head(image.size)
-        body = self.format.encode(image)
-        self.write(before + self.format.frame(body, self.frames, 0) + self.format.tail)
-        self.at += len(before)
-        self.body = body
-        self.time = time
-        place, data = self.format.grown(self.frames + 1, self.end)
-        self.file.seek(place)
-        self.file.write(data)
+        height, width = pixels.shape[:2]
+        if max(height, width) > 65_535:
+            raise ValueError(f"a GIF has at most 65535 pixels a side, not {width} x {height}")
+        image = Image.fromarray(pixels).quantize(256, dither=Image.Dither.NONE)
+        if self.frames:
+            self.write_image(time)
+        else:
+            # It is shown again and again.
+            head, _ = GifImagePlugin.getheader(image, info={"loop": 0})
+            self.file.write(b"".join(head))
+        self.image = image
+        self.begin = hundredths(time)
 
     def write_end(self, time: float) -> None:
-        if self.file.closed:
-            return
-        with self.file:
-            if self.frames:
-                self.write(self.last_picture(time) + self.format.tail)
-        if not self.frames:
-            # Not a film, and it was made here.
-            self.path.unlink()
+        self.write_image(time)
+        self.file.write(b";")
 
-    def last_picture(self, until: float) -> bytes:
-        """The last picture with its time. Rounded from the beginning on, so that errors do not add up."""
-        begin = nearest(self.time - self.began, self.format.ticks)
-        end = nearest(until - self.began, self.format.ticks)
-        return self.format.frame(self.body, self.frames - 1, min(max(0, end - begin), self.format.most_ticks))
-
-    def write(self, data: bytes) -> None:
-        """From the last picture on; all of it or nothing."""
-        try:
-            self.file.seek(self.at)
-            if self.file.write(data) != len(data):
-                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        except OSError:
-            self.file.seek(max(0, self.end - len(self.format.tail)))
-            self.file.write(self.format.tail)
-            self.file.truncate(self.end)
-            raise
-        self.end = self.at + len(data)
+    def write_image(self, until: float) -> None:
+        duration = 10 * min(max(0, hundredths(until) - self.begin), 65_535)
+        # Without a disposal Pillow leaves a duration of 0 out.
+        data = GifImagePlugin.getdata(self.image, duration=duration, disposal=1, include_color_table=True)
+        self.file.write(b"".join(data))
 
 
-class Mp4Film(Film):
-    """A film that ffmpeg makes, in a process of its own."""
+def hundredths(seconds: float) -> int:
+    """Rounded since the beginning of the film, so that errors do not add up."""
+    # The middle goes down, also after a rounding error. Up, the last of 60 pictures a second in 30 would be one too
+    # many; and by round(), to even numbers, some would be seen twice and others never.
+    return math.ceil(seconds * 100 - 0.5 - 1e-6)
+
+
+class AvFilm(Film):
+    """An MP4 or a WebM, encoded in this process by FFmpeg, which PyAV brings along."""
 
     def __init__(self, path: Path, fps: float) -> None:
-        if not shutil.which("ffmpeg"):
-            cure = "install it, or let the film end in .gif, .png or .webp"
-            raise OSError(f"an MP4 needs ffmpeg, which is not here: {cure}")
+        av = pyav()
+        self.how = CODECS[path.suffix.lower()]
+        if self.how.codec not in av.codecs_available:
+            raise OSError(f"this av has no {self.how.codec}: let the film end in {usual_ending()} or .gif")
         super().__init__(path)
-        # So it is known that it can be written, and that nothing is written over.
-        path.open("xb").close()
         self.fps = fps
-        self.process: subprocess.Popen[bytes] | None = None
-        # The last picture, how many ffmpeg has got with the repeated ones, and whether it has not got that one yet.
-        self.last = b""
-        self.written = 0
-        self.unseen = False
-        self.errors = tempfile.TemporaryFile()  # noqa: SIM115, it lives as long as ffmpeg.
+        self.container = av.open(self.file, "w", format=path.suffix[1:].lower(), options=self.how.container)
+        self.stream: Any = None
+        # The packet of the last picture, whose length is known when the next one comes.
+        self.kept: Any = None
+        self.ticks = -1
 
     def write_picture(self, pixels: Any, time: float) -> None:
-        if not self.process:
-            self.process = self.start(*pixels.shape[:2])
-        self.repeat_last(time)
-        self.last = pixels.tobytes()
-        self.unseen = True
+        height, width = pixels.shape[:2]
+        # Colours at half the size want an even number of rows and columns.
+        even = np.pad(pixels, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")
+        if not self.stream:
+            self.start(*even.shape[:2])
+        frame = pyav().VideoFrame.from_ndarray(even, format="rgb24")
+        # No two pictures may have the same time.
+        self.ticks = max(self.ticks + 1, round(time * 1000))
+        frame.pts = self.ticks
+        frame.time_base = MILLISECOND
+        self.write(self.stream.encode(frame))
 
     def write_end(self, time: float) -> None:
-        if not self.process:
-            self.path.unlink(missing_ok=True)
-            return
+        self.write(self.stream.encode())
+        self.kept.duration = max(1, round(time / self.kept.time_base) - self.kept.pts)
+        self.container.mux(self.kept)
+        self.container.close()
+
+    def start(self, height: int, width: int) -> None:
+        rate = Fraction(self.fps).limit_denominator(1000)
+        self.stream = self.container.add_stream(self.how.codec, rate=rate, options=self.how.options)
+        self.stream.width = width
+        self.stream.height = height
+        self.stream.pix_fmt = "yuv420p"
+        self.stream.codec_context.time_base = MILLISECOND
+        self.stream.codec_context.gop_size = max(1, round(self.fps))
         try:
-            self.repeat_last(time)
-            self.repeat(self.unseen)
-        finally:
-            # What is not written yet is written now.
-            with contextlib.suppress(OSError), self.limited(PICTURE_SECONDS):
-                self.process.stdin.close()  # type: ignore[union-attr]
-            with self.limited(END_SECONDS):
-                self.process.wait()
-        if self.process.returncode:
-            raise OSError(self.why())
+            self.stream.codec_context.open()
+        except pyav().FFmpegError as error:
+            raise OSError(f"{self.how.codec} has no pictures of {width} x {height}: {error}") from None
 
-    def start(self, height: int, width: int) -> subprocess.Popen[bytes]:
-        raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", f"{self.fps:g}", "-i", "-"]
-        whole = ["-bf", "0", "-g", str(max(1, round(self.fps))), "-movflags", "frag_keyframe+empty_moov"]
-        film = ["-vf", EVEN_SIDES, *whole, "-f", "mp4", str(self.path)]
-        command = ["ffmpeg", "-nostdin", "-loglevel", "error", "-y", *raw, *film]
-        # In a session of its own: Ctrl-C is for this program, which then ends the film.
-        return subprocess.Popen(command, stdin=subprocess.PIPE, stderr=self.errors, start_new_session=True)
+    def write(self, packets: list[Any]) -> None:
+        for packet in packets:
+            if self.kept:
+                self.kept.duration = packet.pts - self.kept.pts
+                self.container.mux(self.kept)
+            self.kept = packet
 
-    def repeat_last(self, until: float) -> None:
-        """The last picture, up to the one that is seen at that time."""
-        wanted = nearest(until - self.began, self.fps) if self.last else 0
-        self.repeat(wanted - self.written)
 
-    def repeat(self, times: int) -> None:
-        for _ in range(times):
-            try:
-                with self.limited(PICTURE_SECONDS):
-                    self.process.stdin.write(self.last)  # type: ignore[union-attr]
-            except OSError:
-                raise OSError(self.why()) from None
-            self.written += 1
-            self.unseen = False
-
-    @contextlib.contextmanager
-    def limited(self, seconds: float) -> Iterator[None]:
-        """A process that reads nothing would be waited for without end: it is killed after so many seconds."""
-        timer = threading.Timer(seconds, self.kill, [seconds])
-        timer.name = "netmq_example ffmpeg"
-        timer.start()
-        try:
-            yield
-        finally:
-            timer.cancel()
-
-    def kill(self, seconds: float) -> None:
-        self.errors.write(f"killed, because it did nothing for {seconds:g} s\n".encode())
-        self.process.kill()  # type: ignore[union-attr]
-
-    def why(self) -> str:
-        self.errors.seek(0)
-        lines = self.errors.read().decode(errors="replace").split("\n")
-        return f"ffmpeg has ended: {next(filter(None, lines), 'it does not say why')[:200]}"
+def pyav() -> Any:
+    """Only an MP4 and a WebM need it, and a GIF does not."""
+    try:
+        import av
+    except ImportError as error:
+        raise OSError(f"{without(error)}; or let the film end in .gif") from None
+    return av

@@ -2,9 +2,9 @@
 
     films = Films()                                     the game comes to tcp://127.0.0.1:5562
     films.wait()                                        its views: {"front": (320, 240), "map": (320, 240)}
-    films.begin_render("front", "drive.gif", fps=25)    or .png, .webp, .mp4
+    films.begin_render("front", "drive.mp4", fps=25)    or .webm, .gif
     ...                                                 whatever else Python does with the game
-    film = films.end_render("front")                    logs: film drive.gif: 125 frames, 5.0 s, 0 skipped
+    film = films.end_render("front")                    logs: film drive.mp4: 125 frames, 5.0 s, 0 skipped
     pictures = films.render_all()                       {"front": uint8 [240, 320, 3], "map": …}
     films.close()                                       or: with Films() as films
 
@@ -20,7 +20,7 @@ since it began, and one array, uint8 [height, width, 3 or 4], with `bottom_up` t
 `view` is answered by `ended`, with `frames`, `skipped` and `time`. Python leaves with a
 `close`, answered by `closed`.
 
-The game's side is view_sender.py; in C# it is ViewSender.cs. It needs numpy and Pillow, and ffmpeg for an MP4.
+The game's side is view_sender.py; in C# it is ViewSender.cs. It needs numpy and Pillow, and av for an MP4 or a WebM.
 """
 
 import contextlib
@@ -96,8 +96,8 @@ class Films(OneProcess):
     ) -> None:
         """Begin a film of a view, or of the first one. 0 or -1 is the view's largest width or height.
 
-        Without a path it becomes VIEW_1.gif, or the next number that is free. None writes no file; fps may then be 0,
-        and all pictures are those that `look` asks for.
+        Without a path it becomes VIEW_1.mp4, or the next number that is free; where av has no H.264 it is a .webm. None
+        writes no file; fps may then be 0, and all pictures are those that `look` asks for.
         """
         view = a_view(view) or next(iter(self.game.views), "")
         size = {"width": side("width", width), "height": side("height", height)}
@@ -222,7 +222,7 @@ class Films(OneProcess):
             self.answer(request.id, error)
 
     def hear(self, message: Message) -> None:
-        """What the game has sent."""
+        """Act on a message of the game."""
         values = message.values
         view = str(values.get("view"))
         _, begun = self.waiting.get(message.id, (None, None))
@@ -263,7 +263,7 @@ class Films(OneProcess):
                 self.trouble(f"trouble: the game is gone; {film}")
         for id in list(self.waiting):
             self.answer(id, Lost("the game is gone"))
-        # What was asked of it is not for the next one.
+        # The next game is not asked what this one was.
         while not self.requests.empty():
             self.requests.get()
 

@@ -124,7 +124,7 @@ class Game:
         try:
             self.socket.send_multipart([peer or self.peer, *frames], zmq.NOBLOCK)
         except zmq.ZMQError:
-            # What has come from it is still received; with the first silence it is forgotten.
+            # Its earlier messages are still received; with the first silence it is forgotten.
             self.heard = -math.inf
             return False
         return True

@@ -1,10 +1,10 @@
 """One film of one view, as films.py makes it: what came, what was skipped, and the file.
 
     film.frames, film.skipped, film.seconds, film.path         read by anybody, at any time
-    print(film)                                                film drive.gif: 125 frames, 5.0 s, 0 skipped
+    print(film)                                                film drive.mp4: 125 frames, 5.0 s, 0 skipped
 
 A game is not trusted: a picture of another size than was begun, or a time longer than it was filmed, ends the film with
-a line that says why. It needs numpy and Pillow.
+a line that says why. It needs numpy and Pillow, and av for an MP4 or a WebM.
 """
 
 import contextlib
@@ -19,12 +19,13 @@ from typing import Any
 from netmq_example import check
 from netmq_example.errors import Lost, Timeout
 from netmq_example.messages import Message, MessageError, take
-from netmq_example.video.film_writer import new_path, open_film
+from netmq_example.video.film_writer import new_path, open_film, usual_ending
 
 
 def free_path(view: str) -> Path:
-    """VIEW_1.gif, or the next number that is free."""
-    paths = (Path(f"{view}_{number}.gif") for number in itertools.count(1))
+    """VIEW_1.mp4 or VIEW_1.webm, or the next number that is free."""
+    ending = usual_ending()
+    paths = (Path(f"{view}_{number}{ending}") for number in itertools.count(1))
     return next(path for path in paths if not path.exists())
 
 
@@ -70,7 +71,7 @@ class ViewFilm:
         self.size = (height, width)
 
     def attempt(self, report: Callable[[str], object], do: Callable[..., None], *args: Any) -> None:
-        """Whatever goes wrong with a film is reported once, and ends that film alone."""
+        """A mistake in a film is reported once, and ends that film alone."""
         try:
             do(*args)
         except Exception as error:

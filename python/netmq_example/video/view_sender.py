@@ -43,7 +43,7 @@ log = logging.getLogger("netmq_example.video")
 
 @dataclass
 class Film:
-    """What Python has asked for, and how far it is. Its pictures are counted from 1."""
+    """A film that Python has asked for, and how far it is. Its pictures are counted from 1."""
 
     id: int
     width: int
@@ -110,7 +110,7 @@ class FilmView:
         return Picture(film, {"view": self.name, "number": film.number, "time": now, "bottom_up": True})
 
     def take(self, picture: Picture, pixels: Any) -> None:
-        """What it shows, now or some frames later: uint8 [height, width, 3 or 4], the lowest row first."""
+        """The pixels of this picture, now or some frames later: uint8 [height, width, 3 or 4], the lowest row first."""
         film = picture.film
         shape = tuple(getattr(pixels, "shape", ()))
         if shape[:2] != (film.height, film.width) or shape[2:] not in ((3,), (4,)) or str(pixels.dtype) != "uint8":
@@ -160,7 +160,7 @@ class FilmView:
             film.sent += 1
             film.away.add(picture.values["number"])
             yield picture
-        # What a camera still has is waited for, but not for ever.
+        # A picture that a camera still has is waited for, but not for ever.
         if film.ending and (film.sent + film.skipped == film.number or film.now() > film.seconds + 1):
             values = {"view": self.name, "frames": film.sent, "skipped": film.skipped, "time": film.seconds}
             yield Message("ended", film.ending.id, values)
