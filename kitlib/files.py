@@ -7,6 +7,7 @@ import os
 import shutil
 import time
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 
 from kitlib.lessons import KitError
@@ -20,6 +21,13 @@ def put(path: Path, data: bytes) -> None:
         replace(new, path)
     finally:
         new.unlink(missing_ok=True)
+
+
+def keep(path: Path, text: str) -> None:
+    """Write a note to ourselves: without it the next run only asks again."""
+    with suppress(OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        put(path, text.encode())
 
 
 def news(folder: Path, files: Mapping[str, bytes], known: Mapping[str, str], otherwise: str) -> dict[str, bytes]:

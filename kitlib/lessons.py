@@ -68,28 +68,13 @@ def denied(output: str) -> str:
 
 
 def read_json(path: Path) -> dict[str, Any]:
-    """The object in a file, such as `keep` has written; a file that is damaged is as good as none."""
+    """The object in a file; a file that is damaged is as good as none."""
     try:
         # With a byte order mark or without: Windows' editors write one.
         found = json.loads(path.read_text(encoding="utf-8-sig"))
     except (OSError, ValueError):
         return {}
     return found if isinstance(found, dict) else {}
-
-
-def keep(path: Path, text: str) -> None:
-    """Write a file whole or not at all: a full disk or a Ctrl-C must not leave half of it."""
-    new = path.with_name(f"{path.name}.{os.getpid()}")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        new.write_text(text, encoding="utf-8")
-        new.replace(path)
-    except OSError:
-        # A note to ourselves: without it the next run only asks again.
-        try:
-            new.unlink(missing_ok=True)
-        except OSError:
-            pass
 
 
 def parsed(path: Path) -> ast.Module:
@@ -137,19 +122,9 @@ class Lesson:
         return folder if writable(folder) else ROOT
 
     @property
-    def header(self) -> str:
-        """The text at the top of the server."""
-        return docstring(self.python / "server.py") or self.key
-
-    @property
     def title(self) -> str:
-        """Its first line, without the lesson's number."""
-        return re.sub(r"^(Lesson|Application) \d+, ", "", self.header.splitlines()[0])
-
-    @property
-    def is_application(self) -> bool:
-        """It teaches nothing new: it shows what people build with the lessons before it."""
-        return self.number >= 20
+        """The first line of its server, without the lesson's number."""
+        return re.sub(r"^(Lesson|Application) \d+, ", "", docstring(self.python / "server.py").partition("\n")[0])
 
     @property
     def how(self) -> dict[str, Any]:

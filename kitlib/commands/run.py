@@ -200,12 +200,8 @@ def ready(server: Program, name: str = "server") -> dict[str, str]:
 
 def split(text: str, option: str) -> list[str]:
     """The words of an option that holds options for a program."""
-    lexer = shlex.shlex(text, posix=True, punctuation_chars=False)
-    lexer.whitespace_split, lexer.commenters = True, ""
-    if lessons.WINDOWS:
-        # A backslash there is part of a path.
-        lexer.escape = ""
     try:
-        return list(lexer)
+        # On Windows a backslash is part of a path.
+        return shlex.split(text.replace("\\", r"\\") if lessons.WINDOWS else text)
     except ValueError:
         raise UsageError(f'{option} {text}: a quotation mark in it is not closed; write {option}="…"') from None

@@ -14,7 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from kitlib import lessons
-from kitlib.lessons import BUILD, KIT, PACKAGE, PACKAGES, ROOT, KitError, denied, keep, read_json, unwritable, writable
+from kitlib.files import keep
+from kitlib.lessons import BUILD, KIT, PACKAGE, PACKAGES, ROOT, KitError, denied, read_json, unwritable, writable
 from kitlib.programs import Result, quietly, step
 from kitlib.setup.lock import locked
 from kitlib.terminal import say
@@ -94,11 +95,15 @@ def sdk() -> str | None:
 
 @dataclass(frozen=True)
 class NetMQ:
-    """Where the package NetMQ comes from."""
+    """Where the package NetMQ comes from: from NuGet, or from a folder of packages that was brought along."""
 
-    why: str
-    # The folder of packages that was brought along, if they come from there and nowhere else.
     folder: str = ""
+
+    @property
+    def why(self) -> str:
+        if self.folder:
+            return f"from the folder {Path(self.folder).name}"
+        return "NuGet, or its store on this machine, has it"
 
     @property
     def properties(self) -> list[str]:
@@ -138,29 +143,25 @@ def find_netmq(ask_again: bool = False) -> NetMQ:
     brought = sorted(path.name for path in PACKAGES.glob("*.nupkg"))
     key = hashlib.sha256(json.dumps([settings, targets, brought, sdk()]).encode()).hexdigest()
     known = read_json(memory)
-    if known.pop("key", "") == key and not ask_again:
-        try:
-            return NetMQ(**known)
-        except TypeError:
-            pass
+    if known.get("key") == key and not ask_again:
+        return NetMQ(str(known.get("folder", "")))
     if not writable(BUILD):
         raise NoNetMQ(unwritable(BUILD))
     netmq = ask_nuget()
-    keep(memory, json.dumps({"key": key, **netmq.__dict__}))
+    keep(memory, json.dumps({"key": key, "folder": netmq.folder}))
     return netmq
 
 
 def ask_nuget() -> NetMQ:
     """A restore shows what they can give. A refusal is not kept: NuGet may answer next time."""
     if any(PACKAGES.glob("*.nupkg")):
-        brought = NetMQ(f"from the folder {PACKAGES.name}", str(PACKAGES))
+        brought = NetMQ(str(PACKAGES))
         if (result := restore(brought)).ok:
             return brought
         say(f"the folder {PACKAGES.name} does not do: {result.first(' error ')}")
     say(f"asking NuGet for NetMQ ({TIMEOUT} s at the most) …")
-    found = NetMQ("NuGet, or its store on this machine, has it")
-    if (result := restore(found)).ok:
-        return found
+    if (result := restore(NetMQ())).ok:
+        return NetMQ()
     raise NoNetMQ(f"{refusal(result)}; a folder {PACKAGES.name} from `{KIT} pack` serves without internet")
 
 

@@ -19,7 +19,8 @@ from pathlib import Path
 from typing import Any
 
 from kitlib import imports
-from kitlib.lessons import BUILD, KIT, PACKAGES, ROOT, KitError, Lesson, denied, keep, read_json, unwritable, writable
+from kitlib.files import keep
+from kitlib.lessons import BUILD, KIT, PACKAGES, ROOT, KitError, Lesson, denied, read_json, unwritable, writable
 from kitlib.programs import Result, quietly, step
 from kitlib.terminal import command, say
 

@@ -81,7 +81,7 @@ def library(package: str, version: str, inside: str) -> tuple[bytes, dict[str, b
     here = dotnet.nuget_folder() / name / version / file
     if not here.exists() and dotnet.sdk():
         say(f"asking NuGet for {package} …")
-        result = dotnet.restore(dotnet.NetMQ(""))
+        result = dotnet.restore(dotnet.NetMQ())
         if not result.ok:
             why = dotnet.refusal(result)
             raise KitError(

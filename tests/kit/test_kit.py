@@ -625,7 +625,7 @@ def test_where_no_router_is_the_command_that_shows_the_address_is_named(monkeypa
 def test_a_client_in_csharp_needs_no_package_of_its_lesson(monkeypatch):
     asked = []
     monkeypatch.setattr(python_setup, "interpreter", lambda *names: asked.extend(names) or PYTHON)
-    monkeypatch.setattr(dotnet, "find_netmq", lambda: dotnet.NetMQ(""))
+    monkeypatch.setattr(dotnet, "find_netmq", lambda: dotnet.NetMQ())
     monkeypatch.setattr(dotnet, "build", lambda _: Path("console.dll"))
     assert runner.client_command("csharp", lessons.find("9")) == ["dotnet", "console.dll", "09_environment"]
     assert asked == []
