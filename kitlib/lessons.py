@@ -1,7 +1,5 @@
 """The lessons, discovered from the folders: a new one is added by adding its files."""
 
-from __future__ import annotations
-
 import ast
 import difflib
 import json
@@ -152,7 +150,7 @@ class Lesson:
         return f"{self.scheme}://127.0.0.1:0"
 
     @property
-    def behind(self) -> list[tuple[str, Lesson]]:
+    def behind(self) -> list[tuple[str, "Lesson"]]:
         """The lessons whose servers answer behind it, each with the option that takes where that one listens."""
         return [(name, find(str(number))) for name, number in self.how.get("behind", {}).items()]
 

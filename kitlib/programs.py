@@ -1,7 +1,5 @@
 """Other programs: one whose lines are read, one that has this terminal, and commands that run to their end."""
 
-from __future__ import annotations
-
 import os
 import re
 import signal

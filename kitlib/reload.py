@@ -2,8 +2,6 @@
 when a signal has ended it, as an assertion of libzmq's does.
 """
 
-from __future__ import annotations
-
 import subprocess
 import time
 from collections.abc import Sequence

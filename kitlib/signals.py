@@ -1,7 +1,5 @@
 """Ctrl-C and its kin: what they are here, and when they must wait."""
 
-from __future__ import annotations
-
 import signal
 import threading
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """A person sees whole lines behind the name of their speaker, with colours on a terminal only."""
 
-from __future__ import annotations
-
 import errno
 import os
 import re

@@ -1,7 +1,5 @@
 """`run N --watch` puts lesson 16's tap between the lesson's two sides, and opens its page in a browser."""
 
-from __future__ import annotations
-
 import os
 import sys
 import webbrowser

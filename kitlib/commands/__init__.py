@@ -5,8 +5,6 @@ it does not know is answered with its CURE; or else, where PASSES_ON is true, it
 whose own options `program_help` may add to the help.
 """
 
-from __future__ import annotations
-
 import argparse
 import difflib
 import importlib

@@ -1,7 +1,5 @@
 """Fills a folder with what a room without internet needs; beside kit.py, as `packages`, it is used by itself."""
 
-from __future__ import annotations
-
 import argparse
 import re
 import shutil

@@ -1,7 +1,5 @@
 """Runs one lesson: the server, then the client, both shown line by line behind a prefix."""
 
-from __future__ import annotations
-
 import argparse
 import functools
 import shlex
@@ -106,8 +104,6 @@ class Session:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        # A Ctrl-C before the client has ended is the end of the run.
-        self.code = 130
         self.started: list[Program] = []
         self.last = ""
 
@@ -130,36 +126,29 @@ class Session:
             show("client", self.last)
         self.last = ""
 
-    def __enter__(self) -> Session:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, *_: object) -> bool:
-        stopped = kind is KeyboardInterrupt
+    def end(self, moment: float) -> None:
         with uninterrupted():
             # The last one was waited for; any other one that has ended by now may have been killed.
             for program in self.started[:-1]:
                 if program.process.poll() is not None:
                     wait(program.process, Path(program.command[1]).name)
             for program in reversed(self.started):
-                # The terminal sends Ctrl-C to the programs too; they are given the time to end by themselves.
-                program.end(MOMENT if stopped else 0)
+                program.end(moment)
             self.show_last()
-        return stopped
 
 
-def run(
-    folder: Path,
-    server: list[str],
-    others: list[list[str]],
-    client: list[str],
-    behind: dict[str, list[str]],
-    tap: list[str] | None = None,
-) -> int:
+Words = list[str]
+
+
+def run(folder: Path, server: Words, others: list[Words], client: Words, behind: dict[str, Words], tap: Words) -> int:
     """Run both sides, and what else the lesson starts; returns the client's exit code, or without one the server's.
 
     A tap between them stays until Ctrl-C.
     """
-    with Session(folder) as session:
+    session = Session(folder)
+    # A Ctrl-C before the client has ended is the end of the run.
+    code, moment = 130, 0.0
+    try:
         for name, command in behind.items():
             server = [*server, name, ready(session.start(name.strip("-"), command))["endpoint"]]
         serving = session.start("server", server)
@@ -178,12 +167,17 @@ def run(
             session.start(name, [*other, "--endpoint", addresses["endpoint"]])
         words = [word for name, address in addresses.items() for word in (f"--{name}", address)]
         # Its keyboard is the terminal's: lesson 08 is driven by it.
-        session.code = wait(session.start("client", [*client, *words], stdin=None).process, "client")
+        code = wait(session.start("client", [*client, *words], stdin=None).process, "client")
         if tap:
             session.show_last()
             say("the page stays until Ctrl-C")
             wait(watched.process, "tap")
-    return session.code
+    except KeyboardInterrupt:
+        # The terminal sends Ctrl-C to the programs too; they are given the time to end by themselves.
+        moment = MOMENT
+    finally:
+        session.end(moment)
+    return code
 
 
 def ready(server: Program, name: str = "server") -> dict[str, str]:

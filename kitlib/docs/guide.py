@@ -18,8 +18,6 @@ A fenced block says where it comes from in a comment on the line above it:
 rewritten keeps as many lines before its first `...` and after its last one as it had; what stood between is gone.
 """
 
-from __future__ import annotations
-
 import argparse
 import ast
 import difflib

@@ -1,7 +1,5 @@
 """The C# side: the .NET SDK, where NetMQ comes from, and a build that is made again only when a file has changed."""
 
-from __future__ import annotations
-
 import functools
 import hashlib
 import json

@@ -1,7 +1,5 @@
 """One at a time, across processes: two builds at once would take each other's files away."""
 
-from __future__ import annotations
-
 import contextlib
 import sys
 import time

@@ -3,8 +3,6 @@
 Where neither has it, one line says what to run.
 """
 
-from __future__ import annotations
-
 import functools
 import hashlib
 import json

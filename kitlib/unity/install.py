@@ -3,8 +3,6 @@
 Nothing is written before everything is at hand and nothing stands in the way: an interrupted run leaves no half.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -1,7 +1,5 @@
 """The libraries that a Unity project has already: by whichever route they came, and for whom."""
 
-from __future__ import annotations
-
 import itertools
 import json
 import re

@@ -1,7 +1,5 @@
 """NetMQ's DLLs for Unity, with their import settings and licences: from NuGet, or from a folder that the user has."""
 
-from __future__ import annotations
-
 import io
 import re
 import urllib.error

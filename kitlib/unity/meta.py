@@ -6,8 +6,6 @@ A GUID is made from the path, so that it is the same wherever the file is writte
 scene may have been edited in Unity.
 """
 
-from __future__ import annotations
-
 import functools
 import hashlib
 import re

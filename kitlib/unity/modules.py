@@ -3,8 +3,6 @@
 Unity calls them built-in packages. A script in a project without the module of a type does not compile.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 

@@ -4,8 +4,6 @@ It is a gzipped tar. Each asset has a folder there that is named by its GUID: `p
 project, `asset.meta` and `asset` are the two files; a folder has no `asset`. Equal input makes an equal file.
 """
 
-from __future__ import annotations
-
 import gzip
 import io
 import json

@@ -1,7 +1,5 @@
 """Why a script of a reader's own does not compile in the player: what it names, and the player or its project lacks."""
 
-from __future__ import annotations
-
 import difflib
 import functools
 import hashlib

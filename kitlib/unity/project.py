@@ -1,7 +1,5 @@
 """A user's own Unity project: where it is, and what in it is in the way."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """The scripts that a lesson needs, by the classes that they name."""
 
-from __future__ import annotations
-
 import functools
 import re
 from collections.abc import Callable

@@ -924,10 +924,10 @@ def test_a_port_that_nobody_gives_is_named_with_the_reason(monkeypatch):
         monkeypatch.setattr(socket.socket, "bind", bind)
 
     refuse_with(errno.EACCES)
-    assert "the system reserves it (netsh " in doctor.port_row(1)[2]
+    assert "the system reserves it (netsh " in doctor.not_free(lessons.find("1"))
     refuse_with(errno.EADDRINUSE)
-    assert doctor.port_row(1)[2].startswith("taken; `")
-    assert doctor.port_row(4)[2].startswith("taken, perhaps by Android's emulator or adb; ")
+    assert doctor.not_free(lessons.find("1")).startswith("taken; `")
+    assert doctor.not_free(lessons.find("4")).startswith("taken, perhaps by Android's emulator or adb; ")
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere a command is named that tells it")
