@@ -87,7 +87,7 @@ def nuget(folder: Path) -> None:
         here = f"-p:RestoreAdditionalProjectSources={dotnet.escaped(store)}"
         made = f"-p:ArtifactsPath={dotnet.escaped(Path(fetched, 'made'))}"
         words = [*dotnet.NetMQ().properties, here, made, "--packages", fetched]
-        command = ["dotnet", "restore", dotnet.CONSOLE, *words]
+        command: list[str | Path] = ["dotnet", "restore", dotnet.CONSOLE, *words]
         result = step("fetching NetMQ from NuGet", command, dotnet.TIMEOUT, dotnet.ENVIRONMENT, ROOT)
         if not result.ok:
             raise KitError(f"{dotnet.refusal(result)}: no C# client in {folder}; try again with internet")

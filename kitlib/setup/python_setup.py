@@ -12,7 +12,6 @@ import shutil
 import sys
 import tomllib
 from collections.abc import Iterable
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -27,14 +26,7 @@ CHOICE = BUILD / "python.json"
 # This system, as `kit.py pack` calls it.
 HERE = {"win32": "windows", "darwin": "macos"}.get(sys.platform, "linux")
 # The name to import, where it is not simply the name on PyPI.
-IMPORTS = {
-    "pytest-xdist": "xdist",
-    "pyzmq": "zmq",
-    "pillow": "PIL",
-    "pyyaml": "yaml",
-    "grpcio": "grpc",
-    "python-socketio": "socketio",
-}
+IMPORTS = {"pytest-xdist": "xdist", "pyzmq": "zmq", "pillow": "PIL", "pyyaml": "yaml", "grpcio": "grpc"}
 # Pip says these where no index answers, or does not hold a package.
 NOTHING = ("Could not find a version", "No matching distribution", "Max retries")
 # Nobody gets these unasked: each is large, not there for every system, and of use to a part of a lesson alone.
@@ -82,7 +74,7 @@ def imported(files: Iterable[Path]) -> list[str]:
 
 def module(package: str) -> str:
     """`zmq` of `pyzmq`: the name to import."""
-    return IMPORTS.get(package, package.replace("-", "_"))
+    return IMPORTS.get(package, package.removeprefix("python-").replace("-", "_"))
 
 
 def all_extras() -> list[str]:
@@ -167,8 +159,13 @@ def interpreter(*extras: str, optional: tuple[str, ...] = ()) -> Path:
     known = read_json(CHOICE).get(key)
     if isinstance(known, str) and os.path.exists(known) and has(known, required):
         return chosen(Path(known))
-    if not (python := from_pip(required, wanted) or from_this_python(required)):
-        raise KitError(nowhere([name(need) for need in required]))
+    names = [name(need) for need in required]
+    python = from_pip(required, wanted)
+    if not python and has(sys.executable, required):
+        say(f"using {sys.executable}, which has {', '.join(names)}")
+        python = Path(sys.executable)
+    if not python:
+        raise KitError(nowhere(names))
     keep(CHOICE, json.dumps({**read_json(CHOICE), key: str(python)}))
     return chosen(python)
 
@@ -268,12 +265,12 @@ def make_venv() -> bool:
     if any(os.path.lexists(other) for other in others if other != venv_python()):
         say(f"{VENV} is of another system or of conda, and stays: copy the kit to a folder of its own for this one")
         return False
-    result = Result(0, "")
-    for option in ([], ["--without-pip"]):
+    for links, option in ((True, []), (False, []), (False, ["--without-pip"])):
         # The leavings of a failed try would look like an environment to the next.
         shutil.rmtree(VENV, ignore_errors=True)
-        if HERE == "linux" and not links_can_be_made():
-            # Of all that is a link in an environment, only this one cannot be a copy. It may be there already.
+        if HERE == "linux" and not links:
+            # Of all that is a link in an environment, only this one cannot be a copy, as on a stick or in a shared
+            # folder. It may be there already.
             (VENV / "lib64").mkdir(parents=True, exist_ok=True)
         result = quietly([sys.executable, "-I", "-m", "venv", *option, VENV], limit=120)
         if result.ok:
@@ -282,21 +279,3 @@ def make_venv() -> bool:
     said = denied(result.output) or f"{result.first('rror')} (on Debian the package is python3-venv)"
     say(f"this Python cannot make a virtual environment: {said}")
     return False
-
-
-def links_can_be_made() -> bool:
-    """Not on a stick, in a shared folder or on many a network's drive."""
-    link = BUILD / f"link.{os.getpid()}"
-    with suppress(OSError):
-        link.symlink_to("nowhere")
-        link.unlink()
-        return True
-    return False
-
-
-def from_this_python(required: list[str]) -> Path | None:
-    """The one that runs kit.py, if it has the packages."""
-    if has(sys.executable, required):
-        say(f"using {sys.executable}, which has {', '.join(map(name, required))}")
-        return Path(sys.executable)
-    return None

@@ -5,7 +5,6 @@ import functools
 import hashlib
 import itertools
 import re
-import tomllib
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
@@ -13,13 +12,11 @@ from kitlib.lessons import BUILD, KIT, PACKAGE, ROOT, lessons
 from kitlib.setup.dotnet import SUPPORT, compiler_errors
 from kitlib.terminal import command
 from kitlib.unity.project import find_project
-from kitlib.unity.scripts import code, of_lesson, types, uses
+from kitlib.unity.scripts import NAMES, code, of_lesson, types, uses
 
 NAMESPACE = "NetMQExample"
 STAND_INS = SUPPORT / "unity-player" / "UnityEngine"
-NAMES = tomllib.loads(Path(__file__).with_name("names.toml").read_text(encoding="utf-8"))
-MOVED: dict[str, str] = NAMES["moved"]
-USINGS: dict[str, str] = NAMES["usings"]
+MOVED, USINGS = NAMES["moved"], NAMES["usings"]
 # Of these words, which others use as well: they count only beside one that nobody else has.
 EVERYBODYS = {"ToArray", "GetSingle", "Image", "GetName", "MaxStep"}
 CHANGED = "the player uses your copy of a kit's file only if you name it here, with each that uses its classes"

@@ -391,7 +391,7 @@ def test_who_stops_reading_is_not_answered_with_a_traceback():
 
 def test_where_nothing_helps_one_line_says_what_to_run(monkeypatch, tmp_path):
     monkeypatch.setattr(python_setup, "CHOICE", tmp_path / "python.json")
-    for way in ("from_pip", "from_this_python"):
+    for way in ("from_pip", "has"):
         monkeypatch.setattr(python_setup, way, lambda *_: None)
     monkeypatch.setattr(sys, "executable", "/opt/bin/python3")
     with pytest.raises(KitError, match=r"with internet run: \S+ -m pip install pyzmq pytest pytest-timeout$"):
@@ -1017,7 +1017,7 @@ def test_packages_for_another_python_are_named_as_such(tmp_path, monkeypatch):
     (tmp_path / "pyzmq-27.0.0-cp399-cp399-win_amd64.whl").write_bytes(b"")
     monkeypatch.setattr(python_setup, "PACKAGES", tmp_path)
     monkeypatch.setattr(python_setup, "CHOICE", tmp_path / "python.json")
-    for way in ("from_pip", "from_this_python"):
+    for way in ("from_pip", "has"):
         monkeypatch.setattr(python_setup, way, lambda *_: None)
     mine = f"--system {python_setup.HERE} --python {sys.version_info[0]}.{sys.version_info[1]}"
     monkeypatch.setattr(python_setup, "quietly", lambda *_, **__: Result(0, "pip 24.0"))

@@ -15,7 +15,7 @@ import pytest
 
 from kitlib.docs import guide
 from kitlib.lessons import PACKAGE
-from kitlib.unity import modules, scripts
+from kitlib.unity import scripts
 from kitlib.unity.inventory import LIBRARIES, NETMQ
 from kitlib.unity.meta import assets, behaviours, guid, meta_of, own_guid, scene
 from tests.programs import ROOT
@@ -433,7 +433,7 @@ def test_unity_takes_the_scripts():
 
 def test_the_package_manager_takes_the_manifests_which_name_the_modules_that_scripts_need():
     # An assembly for the editor alone gets all of Unity's modules, whatever the project has.
-    needed = modules.needed(outside_the_editor(copied()).values())
+    needed = scripts.modules(outside_the_editor(copied()).values()).keys()
     for path in MANIFESTS:
         manifest = json.loads(path.read_text(encoding="utf-8"))
         assert list(manifest_faults(manifest)) == [] and needed <= manifest["dependencies"].keys(), path.name
@@ -447,10 +447,9 @@ def test_the_modules_are_those_of_unitys_sources():
             declared.setdefault(f"com.unity.modules.{module}", set()).add(name)
     declared["com.unity.modules.imageconversion"].add("EncodeToJPG")
     declared["com.unity.modules.physics"].add("CreatePrimitive")
-    assert declared == modules.TYPES
-    assert modules.needed(["// GUI\nvar colliders = GetComponent<Collider>();", "class GUIs { }"]) == {
-        "com.unity.modules.physics"
-    }
+    assert declared == {module: set(types.split()) for module, types in scripts.NAMES["modules"].items()}
+    code = ["// GUI\nvar colliders = GetComponent<Collider>();", "class GUIs { }"]
+    assert scripts.modules(code) == {"com.unity.modules.physics": "1.0.0"}
 
 
 def test_the_lessons_are_left_out_of_webgl_which_has_its_own_error():
