@@ -32,6 +32,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
 
+from kitlib.commands import guarded
 from kitlib.lessons import ROOT, KitError, find
 from kitlib.programs import quietly
 
@@ -64,10 +65,9 @@ def pages() -> list[Path]:
     return [ROOT / "README.md", *sorted((ROOT / "docs" / "guide").glob("*.md"))]
 
 
-def blocks(page: Path, text: str | None = None) -> Iterator[Block]:
-    """The blocks of a page, or of another text that stands for it."""
-    if text is None:
-        text = page.read_text(encoding="utf-8")
+def blocks(page: Path) -> Iterator[Block]:
+    """The blocks of a page."""
+    text = page.read_text(encoding="utf-8")
     for found in BLOCK.finditer(text):
         yield as_block(page, text, found)
 
@@ -232,7 +232,7 @@ def rewrite(page: Path, bodies: Mapping[str, Callable[[Block], str]]) -> None:
         print(f"{page.relative_to(ROOT).as_posix()}: rewritten")
 
 
-def main() -> None:
+def main() -> int:
     """Rewrite the pages of the command line, or all."""
     parser = argparse.ArgumentParser(description="Rewrites the excerpts and transcripts of the README and the guide.")
     parser.add_argument("pages", nargs="*", type=Path, metavar="PAGE", help="these pages alone")
@@ -250,12 +250,8 @@ def main() -> None:
     for each in by_hand:
         print(f"{each.where}: by hand: {each.source}")
     print(f"{len(by_hand)} blocks by hand")
+    return 0
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except KitError as error:
-        sys.exit(str(error))
-    except KeyboardInterrupt:
-        sys.exit(130)
+    sys.exit(guarded(main))

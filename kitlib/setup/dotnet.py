@@ -47,9 +47,6 @@ ENVIRONMENT = {name: "" for name in os.environ if not re.fullmatch(OF_THE_SYSTEM
 # In a container HOME may be / or nothing: what dotnet and NuGet keep goes into .build then.
 if not lessons.WINDOWS and not os.access(os.environ.get("HOME", ""), os.W_OK):
     ENVIRONMENT["HOME"] = str(BUILD)
-# NuGet says these when it does not hold a package, or not this version of it, or cannot be reached at all.
-ABSENT = ("NU1101", "NU1102", "NU1103")
-UNREACHABLE = ("NU1301", "NU1801")
 NO_SOURCE = "dotnet nuget add source https://api.nuget.org/v3/index.json -n nuget.org"
 # In the lines in which dotnet says what is wrong, during a build and before there is one.
 ERRORS = (" error ", "Requested SDK", "not found", "not be found", "Couldn't", "No usable", "ailed")
@@ -84,8 +81,6 @@ class DoesNotCompile(KitError):
 @functools.cache
 def sdk() -> str | None:
     """The version of the newest .NET SDK, or None where there is none of 8 or later."""
-    if not shutil.which("dotnet"):
-        return None
     versions = re.findall(r"^(\d+)\.(\S+)", quietly(["dotnet", "--list-sdks"], 60, ENVIRONMENT).output, re.MULTILINE)
     recent = [(int(major), f"{major}.{rest}") for major, rest in versions if int(major) >= 8]
     return max(recent)[1] if recent else None
@@ -119,8 +114,8 @@ def escaped(value: str | Path) -> str:
 
 def nuget_folder() -> Path:
     """NuGet's store on this machine."""
-    chosen = os.environ.get("NUGET_PACKAGES")
-    return Path(chosen) if chosen else Path(ENVIRONMENT.get("HOME") or Path.home(), ".nuget", "packages")
+    home = ENVIRONMENT.get("HOME") or Path.home()
+    return Path(os.environ.get("NUGET_PACKAGES") or Path(home, ".nuget", "packages"))
 
 
 def restore(netmq: NetMQ) -> Result:
@@ -169,9 +164,10 @@ def refusal(result: Result) -> str:
         return "no source for NetMQ and what it needs: add the pattern * to packageSourceMapping in your nuget.config"
     if "NU1100" in result.output:
         return f"no source of NuGet's holds NetMQ (with internet: {NO_SOURCE})"
-    if any(code in result.output for code in ABSENT):
+    # It does not hold the package, or not this version of it.
+    if re.search("NU110[123]", result.output):
         return "NuGet does not hold NetMQ"
-    if result.code == 124 or any(code in result.output for code in UNREACHABLE):
+    if result.code == 124 or re.search("NU1301|NU1801", result.output):
         return "NuGet cannot be reached"
     if why := denied(result.output):
         raise KitError(why)
@@ -183,9 +179,8 @@ def fingerprint(netmq: NetMQ, sources: list[Path]) -> str:
     digest = hashlib.sha256(f"{sdk()} {netmq.properties}".encode())
     for source in sources:
         for path in [source] if source.is_file() else sorted(source.rglob("*")):
-            if path.suffix in (".cs", ".csproj", ".props", ".targets") and not {"bin", "obj"} & set(
-                path.relative_to(source).parts
-            ):
+            made = {"bin", "obj"} & set(path.relative_to(source).parts)
+            if path.suffix in (".cs", ".csproj", ".props", ".targets") and not made:
                 digest.update(f"{path}{path.stat().st_mtime_ns}{path.stat().st_size}".encode())
     return digest.hexdigest()
 

@@ -68,17 +68,13 @@ def check_age(root: Path, lesson: str | None, files: dict[str, bytes]) -> None:
     age = unity_version(root)
     if age >= OLDEST or (age >= (2021, 2) and not steps_physics(files)):
         return
-    if age < (2021, 2):
-        reason = "NetMQ needs 2021.2 or later (.NET Standard 2.1), all lessons 2022.3"
-        cure = ""
-    else:
+    reason, cure = "NetMQ needs 2021.2 or later (.NET Standard 2.1), all lessons 2022.3", ""
+    if age >= (2021, 2):
         reason = f"{f'lesson {lesson} steps physics, which' if lesson else 'the whole package'} needs 2022.3 or later"
         able = [str(one.number) for one in lessons() if not steps_physics(scripts(str(one.number)))]
         cure = f"--lesson takes {', '.join(able[:-1])} or {able[-1]} here; for the others "
-    raise KitError(
-        f"this project is for Unity {age[0]}.{age[1]}; {reason}: nothing was copied; "
-        f"{cure}open a copy of the project with a newer editor in Unity Hub"
-    )
+    cure += "open a copy of the project with a newer editor in Unity Hub"
+    raise KitError(f"this project is for Unity {age[0]}.{age[1]}; {reason}: nothing was copied; {cure}")
 
 
 def add_packages(root: Path, needed: dict[str, str], there: Inventory) -> None:

@@ -42,33 +42,21 @@ def libraries(folder: Path | None, ask: Callable[[str], set[str]] = lambda name:
         if not (parts := ask(name)):
             continue
         if folder:
-            found[f"{PLUGINS}/{name}"] = in_folder(folder, name)
+            if not (folder / name).is_file():
+                raise KitError(f"there is no {name} in {folder}: nothing was copied")
+            found[f"{PLUGINS}/{name}"] = (folder / name).read_bytes()
         else:
             found[f"{PLUGINS}/{name}"], carried = library(package, version, inside)
             texts |= {f"{package}-{text}": data for text, data in carried.items()}
-        found[f"{PLUGINS}/{name}.meta"] = (
-            IMPORT_SETTINGS.read_text(encoding="utf-8")
-            .format(
-                guid=guid(f"Plugins/{name}"),
-                hidden=int(name.startswith("System.")),
-                editor=int("editor" in parts),
-                no_editor=int("editor" not in parts),
-                builds=int("builds" in parts),
-            )
-            .encode()
-        )
+        where = {"editor": "editor" in parts, "no_editor": "editor" not in parts, "builds": "builds" in parts}
+        settings = IMPORT_SETTINGS.read_text(encoding="utf-8")
+        text = settings.format(guid=guid(f"Plugins/{name}"), hidden=name.startswith("System."), **where)
+        found[f"{PLUGINS}/{name}.meta"] = text.encode()
     found[f"{PLUGINS}.meta"] = meta(PACKAGE / "Shared", guid("Plugins")).encode()
     for name, data in texts.items():
         found[f"{PLUGINS}/{name}"] = data
         found[f"{PLUGINS}/{name}.meta"] = meta(PACKAGE / "CHANGELOG.md", guid(f"Plugins/{name}")).encode()
     return found
-
-
-def in_folder(folder: Path, name: str) -> bytes:
-    """One DLL of a folder that the user has."""
-    if not (folder / name).is_file():
-        raise KitError(f"there is no {name} in {folder}: nothing was copied")
-    return (folder / name).read_bytes()
 
 
 def library(package: str, version: str, inside: str) -> tuple[bytes, dict[str, bytes]]:
@@ -81,11 +69,9 @@ def library(package: str, version: str, inside: str) -> tuple[bytes, dict[str, b
         say(f"asking NuGet for {package} …")
         result = dotnet.restore(dotnet.NetMQ())
         if not result.ok:
+            others = "without NetMQ's DLLs, for which docs/guide/unity_project.md has other routes"
             why = dotnet.refusal(result)
-            raise KitError(
-                f"{why}: nothing was copied; --scripts-only copies the scripts without NetMQ's DLLs,"
-                " for which docs/guide/unity_project.md has other routes"
-            )
+            raise KitError(f"{why}: nothing was copied; --scripts-only copies the scripts {others}")
     try:
         with zipfile.ZipFile(here if here.exists() else download(package, version, file)) as archive:
             notices = {text: archive.read(text) for text in archive.namelist() if NOTICE.fullmatch(text)}
