@@ -23,11 +23,6 @@ from kitlib.signals import interruptible
 from kitlib.terminal import coloured, nobody_reads, open_streams
 
 
-def main(names: Sequence[str], words: list[str]) -> int:
-    """Do what the command line says; returns the exit code."""
-    return guarded(lambda: start(names, words))
-
-
 def guarded(work: Callable[[], int]) -> int:
     """The exit code of this work, or of what ended it: one line for what a user can mend."""
     open_streams()

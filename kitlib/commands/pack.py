@@ -32,21 +32,18 @@ EXAMPLES = [
 def add_options(parser: argparse.ArgumentParser) -> None:
     where = "packages, if not said"
     parser.add_argument("folder", type=Path, nargs="?", default=PACKAGES, metavar="FOLDER", help=where)
-    parser.add_argument("--system", choices=tuple(SYSTEMS), help="the room's; this one, if not said")
-    parser.add_argument("--python", metavar="VERSION", help="the room's; this one's, if not said")
+    help = "the room's; this one, if not said"
+    parser.add_argument("--system", choices=tuple(SYSTEMS), default=python_setup.HERE, help=help)
+    help = "the room's; this one's, if not said"
+    parser.add_argument("--python", metavar="VERSION", default=python_setup.VERSION, help=help)
 
 
 def do(options: argparse.Namespace) -> int:
-    pack(options.folder, options.system, options.python)
-    return 0
-
-
-def pack(folder: Path, system: str | None, version: str | None) -> None:
     """Fetch everything that the lessons and their tests need. What is there for another system stays."""
     sdk = dotnet.sdk()
     if not sdk:
         raise KitError(dotnet.DOWNLOAD)
-    system, version = system or python_setup.HERE, version or f"{sys.version_info[0]}.{sys.version_info[1]}"
+    folder, system, version = options.folder, options.system, options.python
     if not re.fullmatch(r"3\.(1[1-9]|[2-9]\d)(\.\d+)?", version):
         raise UsageError(f"--python takes a version of 3.11 or later, such as 3.13, not {version}")
     folder.mkdir(parents=True, exist_ok=True)
@@ -58,6 +55,7 @@ def pack(folder: Path, system: str | None, version: str | None) -> None:
     # An SDK of another number may lack what this one has in its own folder, and so did not fetch.
     note.write_text(text.format(python=version, sdk=sdk.split(".")[0]), encoding="utf-8")
     say(f"{folder} is ready; its {note.name} says what to do with it")
+    return 0
 
 
 def wheels(folder: Path, system: str, version: str, tags: list[str]) -> None:

@@ -106,11 +106,11 @@ def csharp_lines(text: str, name: str) -> range | None:
     lines = text.splitlines()
     attribute = r"\[[^\]]*\]\s*"
     declares = re.compile(rf"^\s*({attribute})*(public|private|internal|protected)\b(?! abstract)[^=;(]*\b{name}\b")
-    start = end = next((i for i, line in enumerate(lines) if declares.match(line)), None)
-    if start is None or end is None:
+    found = [i for i, line in enumerate(lines) if declares.match(line)]
+    if not found:
         return None
     # Attributes stand above it, and above them XML documentation, which is left out.
-    above = start
+    start = above = end = found[0]
     while above and not re.search(r"[;{}]|^\s*///|^\s*$", re.sub(r'"[^"]*"', "", lines[above - 1])):
         above -= 1
         if lines[above].lstrip().startswith("["):

@@ -6,7 +6,6 @@ import json
 import os
 import re
 import shutil
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,8 +26,15 @@ LIBRARIES = ("NetMQExample", "UnityPlayer")
 LOCK = BUILD / "lock"
 INSTALLER = "https://dotnet.microsoft.com/download"
 DOWNLOAD = f"no .NET SDK 8 or later here: get it from {INSTALLER}; just installed: open a new terminal"
+# MSBuild takes every variable for a property, such as VERSION or OutDir, and an empty one for none. The variables that
+# the system and .NET themselves need have one of these names, or an underscore.
+OF_THE_SYSTEM = (
+    r"PATH|PATHEXT|HOME\w*|USER\w*|LOGNAME|PUBLIC|TMPDIR|TMP|TEMP|LANG|LANGUAGE|TZ|TERM|SHELL|COMSPEC|OS|WINDIR|SYSTEM\w+"
+    r"|APPDATA|LOCALAPPDATA|ALLUSERSPROFILE|(COMMON)?PROGRAM\w+(\(X86\))?|COMPUTERNAME|PSMODULEPATH|\w*_\w*"
+)
+ENVIRONMENT = {name: "" for name in os.environ if not re.fullmatch(OF_THE_SYSTEM, name, re.IGNORECASE)}
 # No server that stays behind after a build, no telemetry, no greeting; and NuGet asks twice at most.
-ENVIRONMENT = {
+ENVIRONMENT |= {
     "DOTNET_NOLOGO": "1",
     "DOTNET_CLI_TELEMETRY_OPTOUT": "1",
     "DOTNET_CLI_UI_LANGUAGE": "en",
@@ -37,13 +43,6 @@ ENVIRONMENT = {
     "NUGET_ENHANCED_MAX_NETWORK_TRY_COUNT": "2",
     "NUGET_ENHANCED_NETWORK_RETRY_DELAY_MILLISECONDS": "200",
 }
-# MSBuild takes every variable for a property, such as VERSION or OutDir, and an empty one for none. The variables that
-# the system and .NET themselves need have one of these names, or an underscore.
-OF_THE_SYSTEM = (
-    r"PATH|PATHEXT|HOME\w*|USER\w*|LOGNAME|PUBLIC|TMPDIR|TMP|TEMP|LANG|LANGUAGE|TZ|TERM|SHELL|COMSPEC|OS|WINDIR|SYSTEM\w+"
-    r"|APPDATA|LOCALAPPDATA|ALLUSERSPROFILE|(COMMON)?PROGRAM\w+(\(X86\))?|COMPUTERNAME|PSMODULEPATH|\w*_\w*"
-)
-ENVIRONMENT = {name: "" for name in os.environ if not re.fullmatch(OF_THE_SYSTEM, name, re.IGNORECASE)} | ENVIRONMENT
 # In a container HOME may be / or nothing: what dotnet and NuGet keep goes into .build then.
 if not lessons.WINDOWS and not os.access(os.environ.get("HOME", ""), os.W_OK):
     ENVIRONMENT["HOME"] = str(BUILD)
@@ -58,12 +57,9 @@ NO_FAULT_OF_THE_CODE = {
 # The first restore on a Windows machine has to wait for the virus scanner.
 TIMEOUT = 180 if lessons.WINDOWS else 60
 # Where the installers put dotnet: a terminal that was open before does not have it on its PATH yet.
-PLACES = {
-    "win32": Path(os.environ.get("PROGRAMFILES", "C:/Program Files"), "dotnet"),
-    "darwin": Path("/usr/local/share/dotnet"),
-}
-if sys.platform in PLACES and PLACES[sys.platform].exists() and not shutil.which("dotnet"):
-    os.environ["PATH"] += f"{os.pathsep}{PLACES[sys.platform]}"
+PROGRAMS = os.environ.get("PROGRAMFILES", "C:/Program Files") if lessons.WINDOWS else "/usr/local/share"
+if Path(PROGRAMS, "dotnet").exists() and not shutil.which("dotnet"):
+    os.environ["PATH"] += f"{os.pathsep}{Path(PROGRAMS, 'dotnet')}"
 
 
 class NoNetMQ(KitError):

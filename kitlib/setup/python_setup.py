@@ -23,8 +23,9 @@ from kitlib.terminal import command, say
 
 VENV = ROOT / ".venv"
 CHOICE = BUILD / "python.json"
-# This system, as `kit.py pack` calls it.
+# This system and this Python, as `kit.py pack` calls them.
 HERE = {"win32": "windows", "darwin": "macos"}.get(sys.platform, "linux")
+VERSION = f"{sys.version_info[0]}.{sys.version_info[1]}"
 # The name to import, where it is not simply the name on PyPI.
 IMPORTS = {"pytest-xdist": "xdist", "pyzmq": "zmq", "pillow": "PIL", "pyyaml": "yaml", "grpcio": "grpc"}
 # Pip says these where no index answers, or does not hold a package.
@@ -174,8 +175,7 @@ def nowhere(names: list[str]) -> str:
     """The cure where no interpreter has these packages and pip cannot fetch them."""
     cure = command(sys.executable, "-m", "pip", "install", *names)
     if any(PACKAGES.glob("*.whl")):
-        mine = f"--system {HERE} --python {sys.version_info[0]}.{sys.version_info[1]}"
-        cure = f"{KIT} pack {mine} ({PACKAGES.name} is for another Python or system)"
+        cure = f"{KIT} pack --system {HERE} --python {VERSION} ({PACKAGES.name} is for another Python or system)"
         if not any(quietly([sys.executable, "-m", pip, "--version"], limit=60).ok for pip in ("pip", "ensurepip")):
             return f"{sys.executable} has no pip: with internet install it (Debian, Ubuntu: python3-venv)"
     elif shutil.which("apt-get") and sys.executable.startswith("/usr/bin/"):

@@ -113,11 +113,9 @@ def write(root: Path, files: dict[str, bytes], force: bool, dlls: bool) -> None:
     """All of them or none. With `dlls`, a DLL that an earlier run wrote and this one does not is deleted."""
     record = read_json(root / RECORD)
     # Unity writes .meta files itself, and other files may refer to what they say: one that is not ours stays.
-    wanted = {
-        n: d
-        for n, d in files.items()
-        if not (n.endswith(".meta") and (root / n).exists() and digest((root / n).read_bytes()) != record.get(n))
-    }
+    metas = [name for name in files if name.endswith(".meta") and (root / name).exists()]
+    unitys = [name for name in metas if digest((root / name).read_bytes()) != record.get(name)]
+    wanted = {name: data for name, data in files.items() if name not in unitys}
     found = news(root, wanted, record, "" if force else "was changed in your project")
     # On Windows a file that is read-only cannot be replaced: version control makes them so until they are checked out.
     if locked := [name for name in found if (root / name).exists() and not os.access(root / name, os.W_OK)]:

@@ -2,7 +2,6 @@
 
 import io
 import re
-import urllib.error
 import urllib.request
 import zipfile
 from collections.abc import Callable
@@ -76,7 +75,7 @@ def library(package: str, version: str, inside: str) -> tuple[bytes, dict[str, b
         with zipfile.ZipFile(here if here.exists() else download(package, version, file)) as archive:
             notices = {text: archive.read(text) for text in archive.namelist() if NOTICE.fullmatch(text)}
             return archive.read(inside), notices
-    except (OSError, urllib.error.URLError, zipfile.BadZipFile, KeyError) as error:
+    except (OSError, zipfile.BadZipFile, KeyError) as error:
         raise KitError(f"NuGet gave no {package} {version} ({error}): nothing was copied") from None
 
 

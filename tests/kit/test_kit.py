@@ -1037,7 +1037,7 @@ def test_what_is_packed_fits_the_system(tmp_path, monkeypatch):
     monkeypatch.setattr(pack, "step", lambda what, command, *_: asked.append(command) or Result(0, ""))
     for system, kinds in {"windows": ["win_amd64"], "macos": ["arm64", "x86_64"], "linux": ["manylinux"]}.items():
         asked.clear()
-        pack.pack(tmp_path, system, "3.13")
+        pack.do(commands.parse(pack, [str(tmp_path), "--system", system, "--python", "3.13"]))
         platforms = [command[command.index("--platform") + 1] for command in asked]
         assert all(kind in platform for kind, platform in zip(kinds, platforms, strict=True))
         assert all(("colorama" in command) == (system == "windows") for command in asked)
@@ -1045,7 +1045,7 @@ def test_what_is_packed_fits_the_system(tmp_path, monkeypatch):
         assert "Python 3.13" in (tmp_path / f"READ_ME_{system}_3.13.txt").read_text(encoding="utf-8")
     monkeypatch.setattr(pack, "step", lambda *_: Result(1, "ERROR: nothing fits"))
     with pytest.raises(KitError, match=r"fetch them for win_amd64, Python 3\.14: ERROR: nothing fits; try again with"):
-        pack.pack(tmp_path, "windows", "3.14")
+        pack.do(commands.parse(pack, [str(tmp_path), "--system", "windows", "--python", "3.14"]))
 
 
 def test_who_has_never_restored_a_package_can_pack(tmp_path, monkeypatch):
