@@ -8,6 +8,7 @@ import re
 import socket
 import sys
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 from kitlib.lessons import BUILD, KIT, ROOT, KitError, Lesson, lessons, unwritable, writable
@@ -121,12 +122,10 @@ def listeners(port: int) -> list[str]:
     inodes = re.findall(rf"^ *\d+: \w+:{port:04X} \S+ 0A(?: +\S+){{5}} +(\d+)", tables, re.MULTILINE)
     found = set()
     for file in glob.glob("/proc/[0-9]*/fd/*") if inodes else []:
-        try:
+        # It may be closed meanwhile, or not ours to see.
+        with suppress(OSError):
             if os.readlink(file) in [f"socket:[{inode}]" for inode in inodes]:
                 process = Path(file).parents[1]
                 command = (process / "cmdline").read_text().replace("\0", " ").strip()
                 found.add(f"{command} (process {process.name})")
-        except OSError:
-            # It was closed meanwhile, or is not ours to see.
-            pass
     return sorted(found)

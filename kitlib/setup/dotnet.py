@@ -67,11 +67,7 @@ class NoNetMQ(KitError):
 
 
 class DoesNotCompile(KitError):
-    """Somebody has changed a C# file: another client would hide it. `output` is what the compiler says."""
-
-    def __init__(self, why: str, output: str = "") -> None:
-        super().__init__(why)
-        self.output = output
+    """Somebody has changed a C# file: another client would hide it. It says what the compiler says."""
 
 
 @functools.cache
@@ -230,9 +226,8 @@ def build(
         forget_old_lists()
         result = step(f"building {name}", ["dotnet", "build", project, *words], 500, environment, ROOT)
         if not result.ok:
-            if "error CS" in result.output:
-                raise DoesNotCompile(failure(result), result.output)
-            raise KitError(failure(result))
+            why = failure(result)
+            raise DoesNotCompile(why) if "error CS" in why else KitError(why)
         keep(stamp, json.dumps({"sources": now}))
     return dll
 
