@@ -19,7 +19,7 @@ from pathlib import Path
 import pytest
 
 import kit
-from kitlib import commands, lessons, programs, terminal
+from kitlib import commands, lessons, programs, signals, terminal
 from kitlib.commands import doctor, pack
 from kitlib.commands import run as runner
 from kitlib.commands import server as served
@@ -82,41 +82,40 @@ def test_run_shows_both_sides_and_ends_with_the_clients_code(client, netmq, star
     assert any(line.startswith("client | gave up") for line in failing.lines)
 
 
-def test_a_build_happens_only_after_a_change(netmq, tmp_path, monkeypatch):
+def test_a_build_that_failed_or_lacks_what_it_refers_to_is_made_again(netmq, tmp_path, monkeypatch):
     built = []
 
+    def dll_of(name):
+        return tmp_path / "bin" / name / "release" / f"{name}.dll"
+
     def step(what, command, *_):
-        built.append(command[-1])
+        built.append(what)
         for name in ("own", *dotnet.LIBRARIES):
-            dll_of(name).parent.mkdir(parents=True, exist_ok=True)
-            dll_of(name).touch()
+            put(dll_of(name), b"")
         return Result(int("fails" in source.read_text()), "x.cs(1,1): error CS1002")
 
-    def dll_of(name):
-        return tmp_path / "build" / "bin" / name / "release" / f"{name}.dll"
-
-    source = tmp_path / "own" / "a.cs"
-    for path in (source, tmp_path / "own" / "own.csproj", tmp_path / "own" / "obj" / "b.cs"):
-        path.parent.mkdir(exist_ok=True)
-        path.write_text("")
-    for name, value in {"BUILD": tmp_path / "build", "LOCK": tmp_path / "build" / "lock", "step": step}.items():
+    source = put(tmp_path / "own" / "a.cs", b"")
+    put(tmp_path / "own" / "own.csproj", b"")
+    for name, value in {"BUILD": tmp_path, "LOCK": tmp_path / "lock", "step": step}.items():
         monkeypatch.setattr(dotnet, name, value)
-    for text in ("", "", "changed", "changed"):
-        if text != source.read_text():
-            source.write_text(text)
-        # A build's own files are no change.
-        (tmp_path / "own" / "obj" / "b.cs").write_text(text)
+    for _ in range(2):
         dotnet.build(netmq, source.parent)
-    assert len(built) == 2
+    assert len(built) == 1
     # Another project's build was interrupted.
     dll_of("NetMQExample").unlink()
     dotnet.build(netmq, source.parent)
-    assert len(built) == 3
+    assert len(built) == 2
     source.write_text("fails")
     for _ in range(2):
-        with pytest.raises(KitError, match="CS1002"):
+        with pytest.raises(dotnet.DoesNotCompile, match="CS1002"):
             dotnet.build(netmq, source.parent)
-    assert len(built) == 5
+    assert len(built) == 4
+
+
+def put(path, data):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(data)
+    return path
 
 
 class Stopped(Program):
@@ -242,6 +241,13 @@ def test_ctrl_c_in_the_tests_lets_the_running_test_clear_up(tmp_path):
         assert "cleared up" in run.output
 
 
+def test_a_second_ctrl_c_does_not_stop_the_clearing_up():
+    with signals.uninterrupted():
+        signal.raise_signal(signal.SIGINT)
+    with pytest.raises(KeyboardInterrupt):
+        signal.raise_signal(signal.SIGINT)
+
+
 def kit_runs(*each):
     """How kit.py ended with each of these words, all in one process."""
     return python_runs(KIT, each)
@@ -348,14 +354,6 @@ def test_colour_is_for_terminals_that_want_it(on_terminal, env, colour, monkeypa
     assert ("\033[31m" in sys.stderr.getvalue()) == colour
 
 
-@pytest.mark.skipif(os.name == "nt", reason="needs head")
-def test_who_stops_reading_is_not_answered_with_a_traceback():
-    command = f"'{PYTHON}' '{KIT}' run 1 --client python --endpoint 'tcp://127.0.0.1:0' | head -2"
-    done = finished(["sh", "-c", command])
-    assert len(done.stdout.splitlines()) == 2
-    assert done.stderr == ""
-
-
 def test_where_nothing_helps_one_line_says_what_to_run(monkeypatch, tmp_path):
     monkeypatch.setattr(python_setup, "CHOICE", tmp_path / "python.json")
     for way in ("from_pip", "has"):
@@ -419,7 +417,6 @@ NOT_FOUND = Result(1, "ERROR: No matching distribution found")
             NOT_FOUND,
             "pip did not get all of it from index-url='http://127.0.0.1:9/simple'",
         ),
-        ({"PIP_NO_INDEX": "1"}, NOT_FOUND, "pip did not get all of it from no-index='1'"),
         (
             {"PIP_PREFIX": "/elsewhere", "PIP_CONFIG_FILE": "pip.conf"},
             Result(0, ""),
@@ -495,9 +492,8 @@ def test_a_foreign_package_does_not_hide_those_of_the_venv(prepared, tmp_path, s
     assert "kit    |" not in program.output
 
 
-@pytest.mark.parametrize("settings", [{"PYTHONSAFEPATH": "1"}, {"PYTHONOPTIMIZE": "2"}])
-def test_what_python_is_told_to_leave_out_is_found(settings, start):
-    program = start(PYTHON, KIT, "--help", **settings)
+def test_what_python_is_told_to_leave_out_is_found(start):
+    program = start(PYTHON, KIT, "--help", PYTHONSAFEPATH="1", PYTHONOPTIMIZE="2")
     assert program.wait() == 0, program.output
     assert any(line.startswith(f"    {lessons.KIT} run 1 ") for line in program.lines)
 
@@ -551,22 +547,32 @@ def test_a_failure_of_dotnet_is_said_in_one_line(output, restore, build, tmp_pat
     assert build.format(owner) in said and "\n" not in said
 
 
-def test_where_no_csharp_can_be_built_the_python_client_runs_unless_a_file_was_changed(monkeypatch, tmp_path, capsys):
-    without_nuget(monkeypatch, tmp_path, output="")
-    monkeypatch.setattr(dotnet, "step", lambda *_: Result(1, "x: error MSB3094: items\n0 Warning(s)"))
-    assert runner.client_command(None, lessons.find("1"), PYTHON)[0] == str(PYTHON)
-    said = capsys.readouterr().out
-    assert "the C# build failed (x: error MSB3094: items)" in said and "running the Python client instead" in said
+@pytest.mark.parametrize(
+    ("settings", "said"),
+    [
+        ({"sdk": lambda: None}, "no .NET SDK 8 or later here: get it from"),
+        ({"ROOT": Path("/My%20Kit")}, "MSBuild takes %20 in"),
+        ({"restore": Result(1, "error NU1301: Unable to load")}, "NuGet cannot be reached; a folder packages from"),
+        ({"step": Result(1, "x: error MSB3094: items\n0 Warning(s)")}, "the C# build failed (x: error MSB3094: items)"),
+    ],
+)
+def test_where_there_is_no_csharp_client_the_python_client_runs(settings, said, monkeypatch, tmp_path, capsys):
+    without_nuget(monkeypatch, tmp_path)
+    for name, value in settings.items():
+        monkeypatch.setattr(dotnet, name, (lambda *_, value=value: value) if isinstance(value, Result) else value)
+    command = runner.client_command(None, lessons.find("1"), PYTHON)
+    assert command == [str(PYTHON), str(lessons.find("1").python / "client.py")]
+    printed = capsys.readouterr().out.splitlines()[-1]
+    assert said in printed and printed.endswith("; running the Python client instead")
+    with pytest.raises(KitError, match=r"; `--client python` runs without it$"):
+        runner.client_command("csharp", lessons.find("1"), PYTHON)
+
+
+def test_a_changed_file_that_does_not_compile_is_not_hidden_by_another_client(monkeypatch, tmp_path):
+    without_nuget(monkeypatch, tmp_path)
     monkeypatch.setattr(dotnet, "step", lambda *_: Result(1, "x: error CS1002: ; expected"))
     with pytest.raises(KitError, match="CS1002"):
         runner.client_command(None, lessons.find("1"), PYTHON)
-    for name, value, said in (
-        ("ROOT", tmp_path / "My%20Kit", "MSBuild takes %20 in"),
-        ("sdk", lambda: None, "no .NET SDK 8 or later here: get it from"),
-    ):
-        monkeypatch.setattr(dotnet, name, value)
-        assert runner.client_command(None, lessons.find("1"), PYTHON)[0] == str(PYTHON)
-        assert said in capsys.readouterr().out
 
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows has its own place for each account")
@@ -594,6 +600,13 @@ def test_where_no_router_is_the_command_that_shows_the_address_is_named(monkeypa
 
     monkeypatch.setattr(socket, "socket", Alone)
     assert re.fullmatch("its address, which `(hostname -I|ipconfig|ifconfig)` shows", served.address())
+
+
+def test_a_client_in_csharp_needs_no_package_of_its_lesson(monkeypatch):
+    monkeypatch.setattr(python_setup, "interpreter", None)
+    monkeypatch.setattr(dotnet, "find_netmq", dotnet.NetMQ)
+    monkeypatch.setattr(dotnet, "build", lambda _: Path("console.dll"))
+    assert runner.client_command("csharp", lessons.find("9")) == ["dotnet", "console.dll", "09_environment"]
 
 
 def test_doctor_names_each_thing_once(start):
@@ -680,40 +693,24 @@ def test_a_saved_answer_reaches_the_clients_that_run(prepared, start, serve):
 
 @finds_processes
 @pytest.mark.parametrize(
-    ("words", "ready", "killed", "code", "name"),
-    [
-        ("server 1", "^listening on", "server.py", 137, "server.py"),
-        ("run 1 --client python", r"^client \| asking", "client.py", 137, "client"),
-        ("run 1 --client python", r"^client \| asking", "server.py", 1, "server.py"),
-    ],
+    ("killed", "timeout", "code", "name"), [("client", 300, 137, "client"), ("server", 5, 1, "server.py")]
 )
-def test_a_program_that_the_system_kills_is_named(words, ready, killed, code, name, start):
+def test_a_program_that_the_system_kills_is_named(killed, timeout, code, name, start):
     """Such as where the memory is full: it has no last line of its own."""
-    mark, more = Mark(), ["--endpoint", "tcp://127.0.0.1:0"]
-    if "run" in words:
-        more += ["--server=--delay 300", f"--options=--timeout {'300' if code == 137 else '5'}"]
-    kit = start(PYTHON, KIT, *words.split(), *more, **mark.environment)
-    kit.wait_for(ready)
-    (found,) = (number for number, command in mark.processes().items() if killed in command)
+    mark, late = Mark(), ["--server=--delay 300", f"--options=--timeout {timeout}"]
+    words = ["run", "1", "--client", "python", "--endpoint", "tcp://127.0.0.1:0", *late]
+    kit = start(PYTHON, KIT, *words, **mark.environment)
+    kit.wait_for(r"^client \| asking")
+    (found,) = (number for number, command in mark.processes().items() if f"{killed}.py" in command)
     os.kill(found, signal.SIGKILL)
     assert kit.wait() == code
     assert f"kit    | {name} was ended by signal 9 (Killed); is the memory full?" in kit.lines
 
 
-@pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGKILL")
-def test_a_server_that_is_killed_before_it_is_ready_is_named(prepared, start):
-    lesson = prepared / "python" / "01_request_reply"
-    (lesson / "server.py").write_text("import os; os.kill(os.getpid(), 9)", encoding="utf-8")
-    program = start(PYTHON, prepared / "kit.py", "run", "1", "--client", "python")
-    assert program.wait() == 1
-    assert program.lines[-2:] == [
-        "kit    | server was ended by signal 9 (Killed); is the memory full?",
-        "kit    | the server ended before it was ready; the line above says why",
-    ]
-
-
+# A server prints what it did after the client has heard of it.
 LATE_SERVER = """
 import signal, sys, time
+RUN = {"also": ["second.py --port 0"]}
 def late(*_):
     print("sent b'World'", flush=True)
     sys.exit()
@@ -721,38 +718,36 @@ signal.signal(signal.SIGTERM, late)
 print("listening on tcp://127.0.0.1:5551", flush=True)
 time.sleep(60)
 """
-
-
-@pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGTERM")
-def test_the_last_line_is_the_clients(prepared, start):
-    """A server prints what it did after the client has heard of it."""
-    lesson = prepared / "python" / "01_request_reply"
-    (lesson / "server.py").write_text(LATE_SERVER, encoding="utf-8")
-    (lesson / "client.py").write_text("print('1: sent Hello')\nprint('done: 1 replies')\n", encoding="utf-8")
-    program = start(PYTHON, prepared / "kit.py", "run", "1", "--client", "python")
-    assert program.wait(120) == 0, program.output
-    assert program.lines[-3:] == ["client | 1: sent Hello", "server | sent b'World'", "client | done: 1 replies"]
-
-
 SECOND = """
-import sys, time
+import pathlib, sys, time
 print("told", *sys.argv[1:], flush=True)
+pathlib.Path("second").touch()
 time.sleep(600)
+"""
+CLIENT = """
+import pathlib, time
+while not pathlib.Path("second").exists():
+    time.sleep(0.01)
+print("1: sent Hello\\ndone: 1 replies")
 """
 
 
-def test_a_lesson_says_what_else_is_started(prepared, start):
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGTERM")
+def test_a_lesson_says_what_else_is_started_and_the_last_line_is_the_clients(prepared, start):
     lesson = prepared / "python" / "01_request_reply"
-    server = lesson / "server.py"
-    text = server.read_text(encoding="utf-8")
-    server.write_text(text.replace("import sys\n", "import sys\n\nRUN = {'also': ['second.py --port 0']}\n", 1))
-    (lesson / "second.py").write_text(SECOND, encoding="utf-8")
-    # A client that asks until it is stopped: a short one may be done before the other has come to its first line.
-    words = ["--client", "python", "--endpoint", "tcp://127.0.0.1:0", "--options=--count 1000000"]
-    program = start(PYTHON, prepared / "kit.py", "run", "1", *words)
-    program.wait_for(r"^client \| asking")
-    program.wait_for(r"^second \| told --port 0 --endpoint tcp://127\.0\.0\.1:\d+$")
-    program.stop(signal.SIGINT)
+    for name, text in {"server": LATE_SERVER, "second": SECOND, "client": CLIENT}.items():
+        (lesson / f"{name}.py").write_text(text, encoding="utf-8")
+    program = start(PYTHON, prepared / "kit.py", "run", "1", "--client", "python")
+    assert program.wait(120) == 0, program.output
+    assert "second | told --port 0 --endpoint tcp://127.0.0.1:5551" in program.lines
+    assert program.lines[-3:] == ["client | 1: sent Hello", "server | sent b'World'", "client | done: 1 replies"]
+    (lesson / "server.py").write_text("import os; os.kill(os.getpid(), 9)", encoding="utf-8")
+    program = start(PYTHON, prepared / "kit.py", "run", "1", "--client", "python")
+    assert program.wait() == 1
+    assert program.lines[-2:] == [
+        "kit    | server was ended by signal 9 (Killed); is the memory full?",
+        "kit    | the server ended before it was ready; the line above says why",
+    ]
 
 
 def test_a_server_on_every_network_says_where_it_is_reached(start):
@@ -849,31 +844,20 @@ def test_a_package_is_there_if_it_can_be_imported_and_is_not_too_old(tmp_path, m
     assert python_setup.lacking(PYTHON, wanted) == ["old_one", "old_one", "broken", "emptied", "absent"]
 
 
-def without_nuget(monkeypatch, tmp_path, output="error NU1301: Unable to load the service index"):
-    monkeypatch.setattr(dotnet, "BUILD", tmp_path)
-    monkeypatch.setattr(dotnet, "PACKAGES", tmp_path / "packages")
+def without_nuget(monkeypatch, tmp_path, code=0):
+    for name, value in {"BUILD": tmp_path, "LOCK": tmp_path / "lock", "PACKAGES": tmp_path / "packages"}.items():
+        monkeypatch.setattr(dotnet, name, value)
     monkeypatch.setattr(dotnet, "sdk", lambda: "10.0.100")
-    monkeypatch.setattr(dotnet, "restore", lambda *_: Result(1, output) if output else Result(0, ""))
+    monkeypatch.setattr(dotnet, "restore", lambda *_: Result(code, "error NU1301" * code))
 
 
-def test_where_nuget_gives_no_netmq_the_python_client_runs(monkeypatch, tmp_path, capsys):
-    without_nuget(monkeypatch, tmp_path)
-    for _ in range(2):
-        command = runner.client_command(None, lessons.find("1"), PYTHON)
-        assert command == [str(PYTHON), str(lessons.find("1").python / "client.py")]
-        assert capsys.readouterr().out.splitlines()[-1] == (
-            "kit    | NuGet cannot be reached; a folder packages from `python3 kit.py pack` serves without internet;"
-            " running the Python client instead"
-        )
-        # Asked again the next time.
-        assert not (tmp_path / "netmq.json").exists()
-    with pytest.raises(KitError, match=r"NuGet cannot be reached; .*; `--client python` runs without it$"):
-        runner.client_command("csharp", lessons.find("1"), PYTHON)
-    without_nuget(monkeypatch, tmp_path, output="")
-    assert dotnet.find_netmq().folder == ""
-    # And then it is known.
-    without_nuget(monkeypatch, tmp_path)
-    assert dotnet.find_netmq().folder == ""
+def test_that_nuget_has_netmq_is_asked_until_it_is_known(monkeypatch, tmp_path):
+    without_nuget(monkeypatch, tmp_path, 1)
+    with pytest.raises(KitError, match="NuGet cannot be reached"):
+        dotnet.find_netmq()
+    for code in (0, 1):
+        without_nuget(monkeypatch, tmp_path, code)
+        assert dotnet.find_netmq().folder == ""
 
 
 def test_a_port_that_nobody_gives_is_named_with_the_reason(monkeypatch):

@@ -132,6 +132,9 @@ def test_copies_everything_with_its_meta(project, nuget, capsys):
     assert files["Plugins/System.ServiceModel.Primitives-THIRD-PARTY-NOTICES.TXT"] == b"of others"
     settings = files["Plugins/NetMQ.dll.meta"].decode()
     assert "validateReferences: 0" in settings and "Exclude WebGL: 1" in settings
+    # No script of the game sees the DLLs of .NET's own.
+    hidden = {name for name, data in files.items() if b"isExplicitlyReferenced: 1\n" in data}
+    assert hidden == {f"Plugins/{name}.meta" for name in SHARED_DLLS}
     guids = re.findall(rb"^guid: (.+)$", b"\n".join(d for n, d in files.items() if n.endswith(".meta")), re.MULTILINE)
     assert len(guids) == len(set(guids))
     printed = capsys.readouterr().out
@@ -367,7 +370,8 @@ def test_a_dll_that_unity_ignores_is_none(project, nuget):
         (project / where).mkdir(parents=True, exist_ok=True)
         for name in ("NetMQ.dll", "System.Collections.Immutable.dll"):
             (project / where / name).write_bytes(b"MZ other")
-    # Nor is a folder one.
+    # Visual Studio's NuGet puts packages where Unity reads none; nor is a folder a DLL.
+    put(project, {"Packages/NetMQ.4.0.1.13/lib/net45/NetMQ.dll": a_dll("4.0.1.13")})
     (project / "Assets" / "AsyncIO.dll").mkdir()
     unity_install.install(project, "4")
     assert plugins(project) == ALL_DLLS
@@ -461,13 +465,6 @@ def test_netmq_twice_is_named(other, project, nuget, capsys):
     assert f"NetMQ is here twice, by {other} and Assets/Plugins/NetMQ.dll: remove one" in capsys.readouterr().out
 
 
-def test_folders_of_packages_that_unity_does_not_read_are_none(project, nuget):
-    """Visual Studio's NuGet puts them there."""
-    put(project, {f"Packages/NetMQ.4.0.1.13/lib/{target}/NetMQ.dll": a_dll("4.0.1.13") for target in ("net45", "net6")})
-    unity_install.install(project, "4")
-    assert plugins(project) == ALL_DLLS
-
-
 @pytest.mark.parametrize("name", ["NetMQ.dll", "Newtonsoft.Json.dll"])
 @pytest.mark.parametrize("where", ["../shared/com.a", "Packages/com.a", "Library/PackageCache/com.a@1.0", "Assets/a"])
 def test_a_dll_is_found_wherever_unity_finds_it(where, name, project, nuget):
@@ -516,13 +513,6 @@ def test_a_manifest_changes_by_its_new_lines_alone(link, begin, newline, indent,
     assert manifest.is_symlink() == link
     added = f'"1.0.0",{newline}{indent * 2}"com.unity.modules.jsonserialize": "1.0.0"'
     assert real.read_bytes().decode() == before.replace('"1.0.0"', added)
-
-
-def test_no_script_of_the_game_sees_the_dlls_of_nets_own(project, nuget):
-    unity_install.install(project, "4")
-    for path in (project / TARGET / "Plugins").glob("*.dll.meta"):
-        hidden = path.name.removesuffix(".meta") in SHARED_DLLS
-        assert f"isExplicitlyReferenced: {int(hidden)}\n" in path.read_text(), path.name
 
 
 def test_what_an_older_kit_wrote_and_this_one_has_not_is_deleted(project, nuget, capsys):
