@@ -85,31 +85,18 @@ def docstring(path: Path) -> str:
     return ast.get_docstring(parsed(path)) or ""
 
 
-@dataclass(frozen=True)
+@dataclass
 class Lesson:
     """One lesson; `key` (such as 01_request_reply) is spelled the same in every tree."""
 
     key: str
 
-    @property
-    def number(self) -> int:
-        return int(self.key[:2])
-
-    @property
-    def python(self) -> Path:
-        return ROOT / "python" / self.key
-
-    @property
-    def unity(self) -> Path:
-        return PACKAGE / self.key
-
-    @property
-    def console(self) -> Path:
-        return ROOT / "csharp-console" / f"{self.key}.cs"
-
-    @property
-    def guide(self) -> Path:
-        return ROOT / "docs" / "guide" / f"{self.key}.md"
+    def __post_init__(self) -> None:
+        self.number = int(self.key[:2])
+        self.python = ROOT / "python" / self.key
+        self.unity = PACKAGE / self.key
+        self.console = ROOT / "csharp-console" / f"{self.key}.cs"
+        self.guide = ROOT / "docs" / "guide" / f"{self.key}.md"
 
     def folder(self, chosen: Path | None = None) -> Path:
         """Where its programs run, so that what they leave behind lies in one place."""

@@ -56,7 +56,6 @@ class Program:
             stdin=stdin,
             stdout=PIPE,
             stderr=STDOUT,
-            text=True,
             encoding="utf-8",
             errors="replace",
             env={**os.environ, **READABLE, **environment},
@@ -209,12 +208,10 @@ def signal_all(process: Popen[bytes], name: str) -> None:
     if sys.platform != "win32":
         with suppress(ProcessLookupError, PermissionError):
             os.killpg(process.pid, getattr(signal, name))
-    elif process.poll() is None:
-        if name == "SIGINT":
-            ask_to_end(process)
-        else:
-            command = ["taskkill", "/T", "/F", "/PID", str(process.pid)]
-            subprocess.run(command, stdout=DEVNULL, stderr=DEVNULL)
+    elif name == "SIGINT":
+        ask_to_end(process)
+    else:
+        subprocess.run(["taskkill", "/T", "/F", "/PID", str(process.pid)], stdout=DEVNULL, stderr=DEVNULL)
 
 
 def ask_to_end(process: Popen[Any]) -> None:

@@ -11,10 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from kitlib import lessons
-from kitlib.files import keep
+from kitlib.files import keep, locked
 from kitlib.lessons import BUILD, KIT, PACKAGE, PACKAGES, ROOT, KitError, denied, read_json, unwritable, writable
 from kitlib.programs import Result, quietly, step
-from kitlib.setup.lock import locked
 from kitlib.terminal import say
 
 CONSOLE = ROOT / "csharp-console"
@@ -171,8 +170,7 @@ def fingerprint(netmq: NetMQ, sources: list[Path]) -> str:
     digest = hashlib.sha256(f"{sdk()} {netmq.properties}".encode())
     for source in sources:
         for path in [source] if source.is_file() else sorted(source.rglob("*")):
-            made = {"bin", "obj"} & set(path.relative_to(source).parts)
-            if path.suffix in (".cs", ".csproj", ".props", ".targets") and not made:
+            if path.suffix in (".cs", ".csproj", ".props", ".targets"):
                 digest.update(f"{path}{path.stat().st_mtime_ns}{path.stat().st_size}".encode())
     return digest.hexdigest()
 
@@ -192,10 +190,11 @@ def build(
     stamp = BUILD / f"{folder}.stamp"
     now = f"{theirs is None} {fingerprint(netmq, [CONSOLE, SUPPORT, project, PACKAGE, *own, *(theirs or ())])}"
 
+    # An interrupted build of another project may have taken away what all of them refer to.
+    wanted = [dll, *(BUILD / "bin" / one / "release" / f"{one}.dll" for one in LIBRARIES)]
+
     def fresh() -> bool:
-        # An interrupted build of another project may have taken away what all of them refer to.
-        there = all((BUILD / "bin" / one / "release" / f"{one}.dll").exists() for one in LIBRARIES)
-        return there and dll.exists() and read_json(stamp).get("sources") == now
+        return all(map(Path.exists, wanted)) and read_json(stamp).get("sources") == now
 
     if fresh():
         return dll
@@ -212,7 +211,10 @@ def build(
         no_references = ["-p:BuildProjectReferences=false"] if own else []
         words = [*netmq.properties, *again, *no_references, "-v:quiet", "-clp:NoSummary"]
         # MSBuild takes a variable for a property; on its command line a semicolon would end it.
-        kit = taken_from_the_kit(own) if theirs is None else []
+        # Compiled once more, the classes of unchanged copies would be other ones than the kit's. Beside a changed copy
+        # they are the reader's too: it is the changed one that they are to use.
+        unchanged = theirs is None and not any(map(changed_copy, own))
+        kit = [path for path in own if unchanged and any(PACKAGE.rglob(path.name))]
         names = [escaped(path) for path in [*own, *(theirs or ())] if path not in kit]
         environment = {
             **ENVIRONMENT,
@@ -238,14 +240,6 @@ def forget_old_lists(kept: int = 20) -> None:
         for place in "bin", "obj":
             shutil.rmtree(BUILD / place / stamp.stem, ignore_errors=True)
         stamp.unlink()
-
-
-def taken_from_the_kit(own: Sequence[Path]) -> list[Path]:
-    """The kit's scripts and unchanged copies: compiled once more, their classes would be other ones.
-
-    Beside a changed copy they are the reader's too: it is the changed one that they are to use.
-    """
-    return [] if any(map(changed_copy, own)) else [path for path in own if any(PACKAGE.rglob(path.name))]
 
 
 def changed_copy(path: Path) -> bool:

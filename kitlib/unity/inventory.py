@@ -101,11 +101,9 @@ def dependencies(root: Path) -> dict[str, str]:
         return {}
     try:
         found = json.loads(path.read_text(encoding="utf-8-sig")).get("dependencies", {})
-        if not isinstance(found, dict):
-            raise ValueError("its dependencies are no object")
+        return {name: str(version) for name, version in found.items()}
     except (ValueError, AttributeError) as error:
         raise KitError(f"{path} is no valid manifest: {error}; correct it, Unity cannot open it either") from None
-    return {name: str(version) for name, version in found.items()}
 
 
 def package_folders(root: Path) -> list[Path]:

@@ -61,9 +61,8 @@ def libraries(folder: Path | None, ask: Callable[[str], set[str]] = lambda name:
 def library(package: str, version: str, inside: str) -> tuple[bytes, dict[str, bytes]]:
     """One DLL, and the notices that its package carries: from NuGet's folder on this machine, put there by dotnet if
     there is one, or from NuGet itself."""
-    name = package.lower()
-    file = f"{name}.{version}.nupkg"
-    here = dotnet.nuget_folder() / name / version / file
+    file = f"{package.lower()}/{version}/{package.lower()}.{version}.nupkg"
+    here = dotnet.nuget_folder() / file
     if not here.exists() and dotnet.sdk():
         say(f"asking NuGet for {package} …")
         result = dotnet.restore(dotnet.NetMQ())
@@ -71,15 +70,16 @@ def library(package: str, version: str, inside: str) -> tuple[bytes, dict[str, b
             others = "without NetMQ's DLLs, for which docs/guide/unity_project.md has other routes"
             why = dotnet.refusal(result)
             raise KitError(f"{why}: nothing was copied; --scripts-only copies the scripts {others}")
+    if not here.exists():
+        say(f"downloading {package} {version} from NuGet …")
     try:
-        with zipfile.ZipFile(here if here.exists() else download(package, version, file)) as archive:
+        with zipfile.ZipFile(here if here.exists() else download(file)) as archive:
             notices = {text: archive.read(text) for text in archive.namelist() if NOTICE.fullmatch(text)}
             return archive.read(inside), notices
     except (OSError, zipfile.BadZipFile, KeyError) as error:
         raise KitError(f"NuGet gave no {package} {version} ({error}): nothing was copied") from None
 
 
-def download(package: str, version: str, file: str) -> io.BytesIO:
-    say(f"downloading {package} {version} from NuGet …")
-    with urllib.request.urlopen(f"{NUGET}/{package.lower()}/{version}/{file}", timeout=20) as answer:
+def download(file: str) -> io.BytesIO:
+    with urllib.request.urlopen(f"{NUGET}/{file}", timeout=20) as answer:
         return io.BytesIO(answer.read())

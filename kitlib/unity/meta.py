@@ -101,15 +101,11 @@ def write(path: Path, text: str) -> None:
 def write_metas() -> None:
     for path in assets():
         if not meta_of(path).exists():
-            write(meta_of(path), meta(twin(path), guid(path.relative_to(PACKAGE).as_posix())))
-
-
-def twin(path: Path) -> Path:
-    """Another asset of the same kind, which has a .meta."""
-    for other in assets():
-        if other.suffix == path.suffix and other.is_dir() == path.is_dir() and meta_of(other).exists():
-            return other
-    sys.exit(f"no other file is like {path.name}: let Unity write its .meta")
+            alike = [other for other in assets() if other.suffix == path.suffix and other.is_dir() == path.is_dir()]
+            like = next((other for other in alike if meta_of(other).exists()), None)
+            if not like:
+                sys.exit(f"no other file is like {path.name}: let Unity write its .meta")
+            write(meta_of(path), meta(like, guid(path.relative_to(PACKAGE).as_posix())))
 
 
 def main() -> None:

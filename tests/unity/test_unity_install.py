@@ -187,7 +187,11 @@ UNITY_2021 = {"ProjectSettings/ProjectVersion.txt": "m_EditorVersion: 2021.3.45f
 @pytest.mark.parametrize(
     ("there", "lesson", "why"),
     [
-        ({"Packages/manifest.json": '{"dependencies": []}'}, "4", r"manifest\.json is no valid .*are no object"),
+        (
+            {"Packages/manifest.json": '{"dependencies": []}'},
+            "4",
+            r"manifest\.json is no valid manifest: .*; correct it",
+        ),
         ({"Packages/manifest.json": "{"}, "4", r"manifest\.json is no valid manifest: .*; correct it"),
         (
             {"Assets/A/A.asmdef": "\ufeff" + asmdef("NetMQExample")},
