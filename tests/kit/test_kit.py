@@ -347,11 +347,12 @@ def test_colour_is_for_terminals_that_want_it(on_terminal, env, colour, monkeypa
         monkeypatch.setenv(name, value)
     monkeypatch.setattr(terminal, "windows_console", lambda _: True)
     # It is that of the errors which counts for an error.
-    for name, is_terminal in {"stdout": not on_terminal, "stderr": on_terminal}.items():
-        monkeypatch.setattr(sys, name, io.StringIO())
-        monkeypatch.setattr(getattr(sys, name), "isatty", lambda found=is_terminal: found)
+    screens = {"stdout": io.StringIO(), "stderr": io.StringIO()}
+    for name, screen in screens.items():
+        monkeypatch.setattr(sys, name, screen)
+        monkeypatch.setattr(screen, "isatty", lambda found=(name == "stderr") == on_terminal: found)
     commands.complain("wrong")
-    assert ("\033[31m" in sys.stderr.getvalue()) == colour
+    assert ("\033[31m" in screens["stderr"].getvalue()) == colour
 
 
 def test_where_nothing_helps_one_line_says_what_to_run(monkeypatch, tmp_path):

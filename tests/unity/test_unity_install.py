@@ -441,7 +441,7 @@ OLD_DLL = "Assets/Packages/NetMQ.4.0.0.1/lib/netstandard2.1/NetMQ.dll"
         ),
         # The list is newer than what was fetched: Unity has not been opened since.
         ({"Assets/packages.config": OLD_LIST.replace("0.0.1", "0.1.13"), OLD_DLL: a_dll("4.0.0.1")}, ""),
-        ({"Library/PackageCache/org.nuget.netmq@4.0.2-1/package.json": "{}"}, ""),
+        ({"Library/PackageCache/org.nuget.netmq@4.0.2-1234/package.json": "{}"}, ""),
         ({"Packages/nuget-packages/packages.config": OLD_LIST}, "window or in Packages/nuget-packages/packages.config"),
         (
             {"Packages/packages-lock.json": '{"dependencies": {"org.nuget.netmq": {"version": "4.0.0-1"}}}'},
