@@ -2,7 +2,10 @@
 
 import argparse
 import functools
+import os
 import shlex
+import sys
+import webbrowser
 from pathlib import Path
 from subprocess import DEVNULL
 
@@ -12,7 +15,6 @@ from kitlib.programs import MOMENT, TIMEOUT, Program, quietly, wait
 from kitlib.setup import dotnet, python_setup
 from kitlib.signals import uninterrupted
 from kitlib.terminal import say, show
-from kitlib.watch import EXTRA, open_page, tap_command
 
 ABOUT = "Runs a lesson: starts its Python server and a client, shows both line by line, and stops the server."
 EXAMPLES = [
@@ -22,6 +24,10 @@ EXAMPLES = [
     'run 1 --options="--count 3"      the client asks three times',
     'run 2 --watch --options="--count 200000 --timeout 2"   a page shows the messages, and drops one by a button',
 ]
+# The page of --watch is lesson 16's tap, which needs this extra beyond the core.
+EXTRA = "16_web_gateway"
+# So many seconds a browser has to open it.
+OPENING = 20.0
 CURE = 'what the client takes goes into --options="…", what the server takes into --server="…"'
 
 
@@ -43,8 +49,7 @@ def add_folder(parser: argparse.ArgumentParser) -> None:
 
 def add_client(parser: argparse.ArgumentParser) -> None:
     """Which client, and on what."""
-    kinds = ("csharp", "python", "unity")
-    parser.add_argument("--client", choices=kinds, help="csharp, if not said")
+    parser.add_argument("--client", choices=("csharp", "python", "unity"), help="csharp, if not said")
 
 
 def do(options: argparse.Namespace) -> int:
@@ -61,6 +66,25 @@ def do(options: argparse.Namespace) -> int:
     server = [*server_command(lesson, python), *given, *for_server]
     tap = tap_command(lesson, python) if options.watch else []
     return run(lesson.folder(options.folder), server, others, client, behind(lesson, python, for_server), tap)
+
+
+def tap_command(lesson: Lesson, python: Path | str) -> list[str]:
+    """The words that start it, but for the servers that it stands in front of."""
+    program, title = Lesson(EXTRA).python / "tap.py", f"Lesson {lesson.number:02}: {lesson.key[3:].replace('_', ' ')}"
+    return [str(python), str(program), "--endpoint", "tcp://127.0.0.1:0", "--title", title]
+
+
+def open_page(tap: Program) -> None:
+    """Open it before there is a client, so that its first messages are seen as they pass."""
+    page = tap.wait_for(r"^page at (\S+)")[1]
+    # Without a display Python may find a browser that takes over this terminal.
+    display = sys.platform in ("win32", "darwin") or {"DISPLAY", "WAYLAND_DISPLAY", "BROWSER"} & set(os.environ)
+    opened = display and webbrowser.open(page)
+    say(f"{'opening' if opened else 'open'} {page} in a browser; the client starts then, or after {OPENING:.0f} s")
+    try:
+        tap.wait_for("^a page looks on$", OPENING)
+    except KitError:
+        say("no page is open; the client starts, and a page that is opened later shows the latest messages")
 
 
 def own_options(name: str, file: str) -> str:

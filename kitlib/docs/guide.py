@@ -53,6 +53,8 @@ class Block:
     source: str
     language: str
     body: str
+    # The place of the body in the page's text.
+    start: int
 
     @property
     def where(self) -> str:
@@ -69,14 +71,9 @@ def blocks(page: Path) -> Iterator[Block]:
     """The blocks of a page."""
     text = page.read_text(encoding="utf-8")
     for found in BLOCK.finditer(text):
-        yield as_block(page, text, found)
-
-
-def as_block(page: Path, text: str, found: re.Match[str]) -> Block:
-    """A block of a page, as BLOCK has found it."""
-    kind, _, source = (found["mark"] or "").partition(":")
-    line = text.count("\n", 0, found.start()) + 1
-    return Block(page, line, kind.strip(), source.strip(), found["language"], found["body"])
+        kind, _, source = (found["mark"] or "").partition(":")
+        line = text.count("\n", 0, found.start()) + 1
+        yield Block(page, line, kind.strip(), source.strip(), found["language"], found["body"], found.start("body"))
 
 
 def excerpt(source: str) -> str:
@@ -217,16 +214,11 @@ def ran(block: Block) -> str:
 
 def rewrite(page: Path, bodies: Mapping[str, Callable[[Block], str]]) -> None:
     """Give each block of these kinds the body that its function returns."""
-    text = page.read_text(encoding="utf-8")
-
-    def replace(found: re.Match[str]) -> str:
-        this = as_block(page, text, found)
-        if this.kind not in bodies:
-            return found[0]
-        start, end = (place - found.start() for place in found.span("body"))
-        return found[0][:start] + bodies[this.kind](this) + found[0][end:]
-
-    new = BLOCK.sub(replace, text)
+    text = new = page.read_text(encoding="utf-8")
+    # From the last one on, so that the places of the others stay; but the runs of a page follow one another.
+    made = [(block, bodies[block.kind](block)) for block in blocks(page) if block.kind in bodies]
+    for block, body in reversed(made):
+        new = new[: block.start] + body + new[block.start + len(block.body) :]
     if new != text:
         page.write_text(new, encoding="utf-8", newline="\n")
         print(f"{page.relative_to(ROOT).as_posix()}: rewritten")

@@ -234,9 +234,9 @@ def build(
     return dll
 
 
-def forget_old_lists(kept: int = 20) -> None:
+def forget_old_lists() -> None:
     """A day of trying things out should not fill a disk."""
-    for stamp in sorted(BUILD.glob(f"{OWN_SCRIPTS.name}-*.stamp"), key=lambda path: path.stat().st_mtime)[:-kept]:
+    for stamp in sorted(BUILD.glob(f"{OWN_SCRIPTS.name}-*.stamp"), key=lambda path: path.stat().st_mtime)[:-20]:
         for place in "bin", "obj":
             shutil.rmtree(BUILD / place / stamp.stem, ignore_errors=True)
         stamp.unlink()
