@@ -115,10 +115,8 @@ class Lesson:
     def how(self) -> dict[str, Any]:
         """RUN of its server, which says what belongs to a run of the lesson besides server and client."""
         for node in parsed(self.python / "server.py").body:
-            match node:
-                case ast.Assign(targets=[ast.Name(id="RUN")], value=value):
-                    found: dict[str, Any] = ast.literal_eval(value)
-                    return found
+            if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "RUN":
+                return dict(ast.literal_eval(node.value))
         return {}
 
     @property
