@@ -43,4 +43,4 @@ from kitlib import commands
 COMMANDS = ("run", "server", "client", "test", "list", "doctor", "bench", "copy", "unity", "play", "pack")
 
 if __name__ == "__main__":
-    sys.exit(commands.main(COMMANDS, sys.argv[1:]))
+    sys.exit(commands.guarded(lambda: commands.start(COMMANDS, sys.argv[1:])))

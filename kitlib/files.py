@@ -1,15 +1,20 @@
-"""Files that are written whole or not at all."""
-
-from __future__ import annotations
+"""Files that are written whole or not at all, and by one process at a time."""
 
 import hashlib
 import os
 import shutil
+import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from kitlib.lessons import KitError
+
+if sys.platform == "win32":
+    import msvcrt
+else:
+    import fcntl
 
 
 def put(path: Path, data: bytes) -> None:
@@ -20,6 +25,13 @@ def put(path: Path, data: bytes) -> None:
         replace(new, path)
     finally:
         new.unlink(missing_ok=True)
+
+
+def keep(path: Path, text: str) -> None:
+    """Write a note to ourselves: without it the next run only asks again."""
+    with suppress(OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        put(path, text.encode())
 
 
 def news(folder: Path, files: Mapping[str, bytes], known: Mapping[str, str], otherwise: str) -> dict[str, bytes]:
@@ -51,6 +63,24 @@ def place(folder: Path, files: dict[str, bytes]) -> None:
             replace(stage / str(number), folder / name)
     finally:
         shutil.rmtree(stage, ignore_errors=True)
+
+
+@contextmanager
+def locked(path: Path) -> Iterator[None]:
+    """Waits until no other process is inside. The system lets go of the lock when a process ends, however it ends."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("a") as file:
+        while True:
+            try:
+                if sys.platform == "win32":
+                    msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+                else:
+                    fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                break
+            except OSError:
+                # Not a wait without a limit in the system, because there Ctrl-C would not be heard on Windows.
+                time.sleep(0.1)
+        yield
 
 
 def replace(source: Path, target: Path) -> None:

@@ -1,7 +1,5 @@
 """The lessons, discovered from the folders: a new one is added by adding its files."""
 
-from __future__ import annotations
-
 import ast
 import difflib
 import json
@@ -68,28 +66,13 @@ def denied(output: str) -> str:
 
 
 def read_json(path: Path) -> dict[str, Any]:
-    """The object in a file, such as `keep` has written; a file that is damaged is as good as none."""
+    """The object in a file; a file that is damaged is as good as none."""
     try:
         # With a byte order mark or without: Windows' editors write one.
         found = json.loads(path.read_text(encoding="utf-8-sig"))
     except (OSError, ValueError):
         return {}
     return found if isinstance(found, dict) else {}
-
-
-def keep(path: Path, text: str) -> None:
-    """Write a file whole or not at all: a full disk or a Ctrl-C must not leave half of it."""
-    new = path.with_name(f"{path.name}.{os.getpid()}")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        new.write_text(text, encoding="utf-8")
-        new.replace(path)
-    except OSError:
-        # A note to ourselves: without it the next run only asks again.
-        try:
-            new.unlink(missing_ok=True)
-        except OSError:
-            pass
 
 
 def parsed(path: Path) -> ast.Module:
@@ -102,31 +85,18 @@ def docstring(path: Path) -> str:
     return ast.get_docstring(parsed(path)) or ""
 
 
-@dataclass(frozen=True)
+@dataclass
 class Lesson:
     """One lesson; `key` (such as 01_request_reply) is spelled the same in every tree."""
 
     key: str
 
-    @property
-    def number(self) -> int:
-        return int(self.key[:2])
-
-    @property
-    def python(self) -> Path:
-        return ROOT / "python" / self.key
-
-    @property
-    def unity(self) -> Path:
-        return PACKAGE / self.key
-
-    @property
-    def console(self) -> Path:
-        return ROOT / "csharp-console" / f"{self.key}.cs"
-
-    @property
-    def guide(self) -> Path:
-        return ROOT / "docs" / "guide" / f"{self.key}.md"
+    def __post_init__(self) -> None:
+        self.number = int(self.key[:2])
+        self.python = ROOT / "python" / self.key
+        self.unity = PACKAGE / self.key
+        self.console = ROOT / "csharp-console" / f"{self.key}.cs"
+        self.guide = ROOT / "docs" / "guide" / f"{self.key}.md"
 
     def folder(self, chosen: Path | None = None) -> Path:
         """Where its programs run, so that what they leave behind lies in one place."""
@@ -137,28 +107,16 @@ class Lesson:
         return folder if writable(folder) else ROOT
 
     @property
-    def header(self) -> str:
-        """The text at the top of the server."""
-        return docstring(self.python / "server.py") or self.key
-
-    @property
     def title(self) -> str:
-        """Its first line, without the lesson's number."""
-        return re.sub(r"^(Lesson|Application) \d+, ", "", self.header.splitlines()[0])
-
-    @property
-    def is_application(self) -> bool:
-        """It teaches nothing new: it shows what people build with the lessons before it."""
-        return self.number >= 20
+        """The first line of its server, without the lesson's number."""
+        return re.sub(r"^(Lesson|Application) \d+, ", "", docstring(self.python / "server.py").partition("\n")[0])
 
     @property
     def how(self) -> dict[str, Any]:
         """RUN of its server, which says what belongs to a run of the lesson besides server and client."""
         for node in parsed(self.python / "server.py").body:
-            match node:
-                case ast.Assign(targets=[ast.Name(id="RUN")], value=value):
-                    found: dict[str, Any] = ast.literal_eval(value)
-                    return found
+            if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "RUN":
+                return dict(ast.literal_eval(node.value))
         return {}
 
     @property
@@ -177,7 +135,7 @@ class Lesson:
         return f"{self.scheme}://127.0.0.1:0"
 
     @property
-    def behind(self) -> list[tuple[str, Lesson]]:
+    def behind(self) -> list[tuple[str, "Lesson"]]:
         """The lessons whose servers answer behind it, each with the option that takes where that one listens."""
         return [(name, find(str(number))) for name, number in self.how.get("behind", {}).items()]
 

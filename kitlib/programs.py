@@ -1,7 +1,5 @@
 """Other programs: one whose lines are read, one that has this terminal, and commands that run to their end."""
 
-from __future__ import annotations
-
 import os
 import re
 import signal
@@ -13,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from subprocess import DEVNULL, PIPE, STDOUT, Popen, TimeoutExpired
 from typing import Any
 
 from kitlib.lessons import ROOT, KitError
@@ -29,6 +28,8 @@ if sys.platform == "win32":
 TIMEOUT = 120.0
 # A program is asked to end, and waited for this long. One that has heard the terminal's Ctrl-C is not asked that soon.
 GOODBYE, MOMENT = 5.0, 1.0
+Command = Sequence[str | Path]
+Environment = Mapping[str, str] | None
 
 
 class Program:
@@ -39,7 +40,7 @@ class Program:
         command: Sequence[str | Path],
         *,
         folder: Path = ROOT,
-        stdin: int | None = subprocess.DEVNULL,
+        stdin: int | None = DEVNULL,
         heard: Callable[[str], None] | None = None,
         **environment: str,
     ) -> None:
@@ -49,13 +50,12 @@ class Program:
         self._heard = heard
         self.ended = False
         self._news = threading.Condition()
-        self.process = subprocess.Popen(
+        self.process = Popen(
             self.command,
             cwd=folder,
             stdin=stdin,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
+            stdout=PIPE,
+            stderr=STDOUT,
             encoding="utf-8",
             errors="replace",
             env={**os.environ, **READABLE, **environment},
@@ -112,27 +112,25 @@ class Program:
 
 def run_in_terminal(command: Sequence[str | Path], folder: Path = ROOT) -> int:
     """Run one program in this terminal, whose Ctrl-C reaches it as well; returns its exit code."""
-    process: subprocess.Popen[bytes] | None = None
+    process = Popen(command, cwd=folder, env={**os.environ, **READABLE})
     try:
-        process = subprocess.Popen(command, cwd=folder, env={**os.environ, **READABLE})
         return wait(process, Path(command[1]).name)
     except KeyboardInterrupt:
         return 130
     finally:
-        if process:
-            with uninterrupted():
-                stop(process, MOMENT)
+        with uninterrupted():
+            stop(process, MOMENT)
 
 
-def stop(process: subprocess.Popen[Any], moment: float = 0) -> None:
+def stop(process: Popen[Any], moment: float = 0) -> None:
     """Ask a program to end that still runs after so many seconds; what does not listen is ended all the same."""
     try:
         process.wait(moment)
-    except subprocess.TimeoutExpired:
+    except TimeoutExpired:
         ask_to_end(process)
         try:
             process.wait(GOODBYE)
-        except subprocess.TimeoutExpired:
+        except TimeoutExpired:
             process.kill()
             process.wait()
 
@@ -157,45 +155,30 @@ class Result:
         return next((line for line in lines if any(word in line for word in (*words, "Exception"))), lines[-1])
 
 
-def quietly(
-    command: Sequence[str | Path], limit: float, env: Mapping[str, str] | None = None, cwd: Path | None = None
-) -> Result:
+def quietly(command: Command, limit: float, env: Environment = None, cwd: Path | None = None) -> Result:
     """Run a command to its end without showing it; one that takes longer than `limit` seconds is ended."""
     words = [str(word) for word in command]
-    process = None
     try:
-        process = spawn(words, env, cwd, shown=False)
-        output, _ = process.communicate(timeout=limit)
-    except FileNotFoundError:
-        return Result(127, f"{words[0]}: not found")
+        process = spawn(words, cwd, env, stdin=DEVNULL, stdout=PIPE, stderr=STDOUT)
     except OSError as error:
-        # It may not be run, or is no program at all.
-        return Result(126, str(error))
+        # It is not there, may not be run, or is no program at all.
+        return Result(127, str(error))
+    try:
+        output, _ = process.communicate(timeout=limit)
     except BaseException as error:
-        if process:
-            end(process)
-        if not isinstance(error, subprocess.TimeoutExpired):
-            raise
-        return Result(124, f"{Path(words[0]).name} did not end within {limit:.0f} s")
+        end(process)
+        if isinstance(error, TimeoutExpired):
+            return Result(124, f"{Path(words[0]).name} did not end within {limit:.0f} s")
+        raise
     return Result(process.returncode, output.decode("utf-8", "replace").replace("\r\n", "\n"))
 
 
-def spawn(
-    words: Sequence[str], env: Mapping[str, str] | None = None, cwd: Path | None = None, shown: bool = True
-) -> subprocess.Popen[bytes]:
+def spawn(words: Sequence[str], cwd: Path | None = None, env: Environment = None, **streams: Any) -> Popen[bytes]:
     """Start a program that `end` can end with all that it starts: dotnet and pip start others."""
-    return subprocess.Popen(
-        words,
-        env={**os.environ, **READABLE, **(env or {})},
-        cwd=cwd,
-        stdin=None if shown else subprocess.DEVNULL,
-        stdout=None if shown else subprocess.PIPE,
-        stderr=None if shown else subprocess.STDOUT,
-        **GROUP,
-    )
+    return Popen(words, env={**os.environ, **READABLE, **(env or {})}, cwd=cwd, **GROUP, **streams)
 
 
-def wait(process: subprocess.Popen[Any], name: str) -> int:
+def wait(process: Popen[Any], name: str) -> int:
     """The exit code of a program; in slices, because on Windows a wait without a limit is deaf to Ctrl-C."""
     while (code := process.poll()) is None:
         time.sleep(0.05)
@@ -209,31 +192,29 @@ def wait(process: subprocess.Popen[Any], name: str) -> int:
     return 128 - code
 
 
-def end(process: subprocess.Popen[bytes], limit: float = GOODBYE) -> None:
+def end(process: Popen[bytes], limit: float = GOODBYE) -> None:
     """Pass Ctrl-C on to a program of `spawn`, wait for it to clear up, and end what is left of it and its own."""
     with uninterrupted():
         signal_all(process, "SIGINT")
-        with suppress(subprocess.TimeoutExpired):
+        with suppress(TimeoutExpired):
             process.wait(limit)
         signal_all(process, "SIGKILL")
         process.kill()
         process.wait()
 
 
-def signal_all(process: subprocess.Popen[bytes], name: str) -> None:
+def signal_all(process: Popen[bytes], name: str) -> None:
     """Signal a program of `spawn` and all that it started."""
     if sys.platform != "win32":
         with suppress(ProcessLookupError, PermissionError):
             os.killpg(process.pid, getattr(signal, name))
-    elif process.poll() is None:
-        if name == "SIGINT":
-            ask_to_end(process)
-        else:
-            command = ["taskkill", "/T", "/F", "/PID", str(process.pid)]
-            subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    elif name == "SIGINT":
+        ask_to_end(process)
+    else:
+        subprocess.run(["taskkill", "/T", "/F", "/PID", str(process.pid)], stdout=DEVNULL, stderr=DEVNULL)
 
 
-def ask_to_end(process: subprocess.Popen[Any]) -> None:
+def ask_to_end(process: Popen[Any]) -> None:
     """Ask a program to end: SIGTERM; on Windows Ctrl-Break, for which it needs the flags of GROUP."""
     if sys.platform != "win32":
         process.terminate()
@@ -245,13 +226,7 @@ def ask_to_end(process: subprocess.Popen[Any]) -> None:
             process.terminate()
 
 
-def step(
-    what: str,
-    command: Sequence[str | Path],
-    limit: float,
-    env: Mapping[str, str] | None = None,
-    cwd: Path | None = None,
-) -> Result:
+def step(what: str, command: Command, limit: float, env: Environment = None, cwd: Path | None = None) -> Result:
     """A long step: says what it does before it starts, and how long it took."""
     say(f"{what} …")
     start = time.monotonic()

@@ -2,11 +2,10 @@
 when a signal has ended it, as an assertion of libzmq's does.
 """
 
-from __future__ import annotations
-
 import subprocess
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from kitlib.programs import end, spawn
@@ -62,10 +61,8 @@ def files(folders: Sequence[Path]) -> Files:
     found: Files = {}
     # Not what lies below: a reader's own may be a home folder.
     for path in (path for folder in folders for path in [*folder.glob("*.py"), *folder.glob("*/*.py")]):
-        try:
+        # It may have been renamed a moment ago, be a link to nowhere, or somebody else's.
+        with suppress(OSError):
             status = path.stat()
-        except OSError:
-            # It was renamed a moment ago, is a link to nowhere, or somebody else's.
-            continue
-        found[path] = (status.st_mtime_ns, status.st_size)
+            found[path] = (status.st_mtime_ns, status.st_size)
     return found

@@ -1,7 +1,5 @@
 """Ctrl-C and its kin: what they are here, and when they must wait."""
 
-from __future__ import annotations
-
 import signal
 import threading
 from collections.abc import Iterator
@@ -22,12 +20,10 @@ def interruptible() -> None:
 @contextmanager
 def uninterrupted() -> Iterator[None]:
     """A second Ctrl-C does not stop the clearing up, which ends by itself."""
-    before = {}
     # Only the main thread may say what a signal does.
-    if threading.current_thread() is threading.main_thread():
-        before = {
-            number: signal.signal(number, signal.SIG_IGN) for name in ENDS if (number := getattr(signal, name, None))
-        }
+    may = threading.current_thread() is threading.main_thread()
+    numbers = [getattr(signal, name) for name in ENDS if may and hasattr(signal, name)]
+    before = {number: signal.signal(number, signal.SIG_IGN) for number in numbers}
     try:
         yield
     finally:

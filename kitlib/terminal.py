@@ -1,7 +1,5 @@
 """A person sees whole lines behind the name of their speaker, with colours on a terminal only."""
 
-from __future__ import annotations
-
 import errno
 import os
 import re
@@ -43,11 +41,8 @@ def windows_console(stream: TextIO) -> bool:
         import ctypes
         import msvcrt
 
-        handle, mode = msvcrt.get_osfhandle(stream.fileno()), ctypes.c_ulong()
-        kernel = ctypes.windll.kernel32
-        virtual_terminal = 4
-        if kernel.GetConsoleMode(handle, ctypes.byref(mode)):
-            return bool(kernel.SetConsoleMode(handle, mode.value | virtual_terminal))
+        # Its usual mode, which is 1 and 2, and besides that of a virtual terminal.
+        return bool(ctypes.windll.kernel32.SetConsoleMode(msvcrt.get_osfhandle(stream.fileno()), 1 | 2 | 4))
     return False
 
 

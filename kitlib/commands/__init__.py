@@ -5,8 +5,6 @@ it does not know is answered with its CURE; or else, where PASSES_ON is true, it
 whose own options `program_help` may add to the help.
 """
 
-from __future__ import annotations
-
 import argparse
 import difflib
 import importlib
@@ -23,11 +21,6 @@ from kitlib.lessons import KIT, ROOT, KitError, UsageError, docstring, unwritabl
 from kitlib.setup.python_setup import project
 from kitlib.signals import interruptible
 from kitlib.terminal import coloured, nobody_reads, open_streams
-
-
-def main(names: Sequence[str], words: list[str]) -> int:
-    """Do what the command line says; returns the exit code."""
-    return guarded(lambda: start(names, words))
 
 
 def guarded(work: Callable[[], int]) -> int:

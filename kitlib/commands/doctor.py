@@ -1,7 +1,5 @@
 """One table of what is on this machine, each missing thing with its cure."""
 
-from __future__ import annotations
-
 import argparse
 import errno
 import glob
@@ -10,9 +8,10 @@ import re
 import socket
 import sys
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
-from kitlib.lessons import BUILD, KIT, ROOT, KitError, Lesson, find, lessons, unwritable, writable
+from kitlib.lessons import BUILD, KIT, ROOT, KitError, Lesson, lessons, unwritable, writable
 from kitlib.programs import quietly
 from kitlib.setup import dotnet, python_setup
 from kitlib.terminal import coloured, command
@@ -48,14 +47,12 @@ def rows(python: Path | None) -> Iterator[Row]:
             yield from optional_rows(python, lesson)
     yield from csharp_rows()
     mono = quietly(["mono", "--version"], 20)
-    yield (
-        mono.ok,
-        "Mono",
-        mono.first("version") if mono.ok else "missing; only the Play/Stop tests use it (Debian: mono-devel)",
-    )
-    taken = [row for lesson in lessons() if not (row := port_row(lesson.number))[0]]
-    yield from taken
-    yield True, "ports", f"those of {'the other' if taken else 'all'} lessons are free"
+    absent = "missing; only the Play/Stop tests use it (Debian: mono-devel)"
+    yield mono.ok, "Mono", mono.first("version") if mono.ok else absent
+    held = [(5550 + lesson.number, why) for lesson in lessons() if (why := not_free(lesson))]
+    for port, why in held:
+        yield False, f"port {port}", why
+    yield True, "ports", f"those of {'the other' if held else 'all'} lessons are free"
 
 
 def package_rows(python: Path) -> Iterator[Row]:
@@ -94,21 +91,20 @@ def csharp_rows() -> Iterator[Row]:
         yield False, "NetMQ", f"{error}; until then the Python clients run"
 
 
-def port_row(number: int) -> Row:
-    """Whether the lesson's own port can be listened on."""
-    port = 5550 + number
+def not_free(lesson: Lesson) -> str:
+    """Why nobody can listen on the lesson's own port, with the cure; empty if somebody can."""
+    port = 5550 + lesson.number
     with socket.socket() as probe:
         # As libzmq listens; on Windows the option would mean sharing a taken port.
         if sys.platform != "win32":
             probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             probe.bind(("127.0.0.1", port))
+            return ""
         except OSError as error:
-            why = "the system reserves it (netsh int ipv4 show excludedportrange protocol=tcp); "
-            if error.errno not in (errno.EACCES, 10013):
-                why = taken(port)
-            return False, f"port {port}", f"{why}use `{KIT} run {number} --endpoint {find(str(number)).anywhere}`"
-    return True, f"port {port}", "free"
+            reserved = "the system reserves it (netsh int ipv4 show excludedportrange protocol=tcp); "
+            why = reserved if error.errno in (errno.EACCES, 10013) else taken(port)
+            return f"{why}use `{KIT} run {lesson.number} --endpoint {lesson.anywhere}`"
 
 
 def taken(port: int) -> str:
@@ -126,12 +122,10 @@ def listeners(port: int) -> list[str]:
     inodes = re.findall(rf"^ *\d+: \w+:{port:04X} \S+ 0A(?: +\S+){{5}} +(\d+)", tables, re.MULTILINE)
     found = set()
     for file in glob.glob("/proc/[0-9]*/fd/*") if inodes else []:
-        try:
+        # It may be closed meanwhile, or not ours to see.
+        with suppress(OSError):
             if os.readlink(file) in [f"socket:[{inode}]" for inode in inodes]:
                 process = Path(file).parents[1]
                 command = (process / "cmdline").read_text().replace("\0", " ").strip()
                 found.add(f"{command} (process {process.name})")
-        except OSError:
-            # It was closed meanwhile, or is not ours to see.
-            pass
     return sorted(found)

@@ -1,7 +1,5 @@
 """Fills a folder with what a room without internet needs; beside kit.py, as `packages`, it is used by itself."""
 
-from __future__ import annotations
-
 import argparse
 import re
 import shutil
@@ -22,8 +20,7 @@ SYSTEMS = {
     "macos": [["macosx_14_0_arm64"], ["macosx_14_0_x86_64"]],
     "linux": [["manylinux_2_28_x86_64", "manylinux_2_26_x86_64", "manylinux_2_17_x86_64", "manylinux2014_x86_64"]],
 }
-# How a room is set up, for each system.
-NOTES = ROOT / "kitlib" / "notes"
+
 
 ABOUT = "Fetches what a room without internet needs: wheels for Python, NuGet packages, and where the installers are."
 EXAMPLES = [
@@ -33,24 +30,20 @@ EXAMPLES = [
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "folder", type=Path, nargs="?", default=PACKAGES, metavar="FOLDER", help="packages, if not said"
-    )
-    parser.add_argument("--system", choices=tuple(SYSTEMS), help="the room's; this one, if not said")
-    parser.add_argument("--python", metavar="VERSION", help="the room's; this one's, if not said")
+    where = "packages, if not said"
+    parser.add_argument("folder", type=Path, nargs="?", default=PACKAGES, metavar="FOLDER", help=where)
+    help = "the room's; this one, if not said"
+    parser.add_argument("--system", choices=tuple(SYSTEMS), default=python_setup.HERE, help=help)
+    help = "the room's; this one's, if not said"
+    parser.add_argument("--python", metavar="VERSION", default=python_setup.VERSION, help=help)
 
 
 def do(options: argparse.Namespace) -> int:
-    pack(options.folder, options.system, options.python)
-    return 0
-
-
-def pack(folder: Path, system: str | None, version: str | None) -> None:
     """Fetch everything that the lessons and their tests need. What is there for another system stays."""
     sdk = dotnet.sdk()
     if not sdk:
         raise KitError(dotnet.DOWNLOAD)
-    system, version = system or python_setup.HERE, version or f"{sys.version_info[0]}.{sys.version_info[1]}"
+    folder, system, version = options.folder, options.system, options.python
     if not re.fullmatch(r"3\.(1[1-9]|[2-9]\d)(\.\d+)?", version):
         raise UsageError(f"--python takes a version of 3.11 or later, such as 3.13, not {version}")
     folder.mkdir(parents=True, exist_ok=True)
@@ -58,10 +51,11 @@ def pack(folder: Path, system: str | None, version: str | None) -> None:
         wheels(folder, system, version, tags)
     nuget(folder)
     note = folder / f"READ_ME_{system}_{version}.txt"
-    # One of another number may lack what this one has in its own folder, and so did not fetch.
-    text = (NOTES / f"{system}.txt").read_text(encoding="utf-8").format(python=version, sdk=sdk.split(".")[0])
-    note.write_text(text, encoding="utf-8")
+    text = (ROOT / "kitlib" / "notes" / f"{system}.txt").read_text(encoding="utf-8")
+    # An SDK of another number may lack what this one has in its own folder, and so did not fetch.
+    note.write_text(text.format(python=version, sdk=sdk.split(".")[0]), encoding="utf-8")
     say(f"{folder} is ready; its {note.name} says what to do with it")
+    return 0
 
 
 def wheels(folder: Path, system: str, version: str, tags: list[str]) -> None:
@@ -71,19 +65,14 @@ def wheels(folder: Path, system: str, version: str, tags: list[str]) -> None:
     needs += ["colorama"] if system == "windows" else []
     own = python_setup.venv_python()
     platforms = [word for tag in tags for word in ("--platform", tag)]
-    command = [*python_setup.alone(own if own.exists() else sys.executable), "-m", "pip", "download"]
-    command += ["--quiet", "--dest", folder]
-    command += ["--disable-pip-version-check", "--only-binary=:all:", "--python-version", version, *platforms, *needs]
-    result = step(
-        f"fetching {', '.join(map(python_setup.name, needs))} for {system}, Python {version} ({tags[0]})",
-        command,
-        600,
-        python_setup.ELSEWHERE,
-    )
+    command = [*python_setup.alone(own if own.exists() else sys.executable), "-m", "pip", "download", "--quiet"]
+    command += ["--disable-pip-version-check", "--only-binary=:all:", "--dest", folder]
+    command += ["--python-version", version, *platforms, *needs]
+    what = f"fetching {', '.join(map(python_setup.name, needs))} for {system}, Python {version} ({tags[0]})"
+    result = step(what, command, 600, python_setup.ELSEWHERE)
     if not result.ok:
-        why = result.first("ERROR", "No module")
-        cure = "try again with internet, or another --python"
-        raise KitError(f"pip could not fetch them for {tags[0]}, Python {version}: {why}; {cure}")
+        why = f"{result.first('ERROR', 'No module')}; try again with internet, or another --python"
+        raise KitError(f"pip could not fetch them for {tags[0]}, Python {version}: {why}")
 
 
 def nuget(folder: Path) -> None:
@@ -92,13 +81,11 @@ def nuget(folder: Path) -> None:
     # A source that is not there is an error.
     store.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as fetched:
-        properties = dotnet.NetMQ("").properties
-        command: list[str | Path] = ["dotnet", "restore", dotnet.CONSOLE, *properties, "--packages", fetched]
         # The packages of this machine need not come over the net again.
-        command += [
-            f"-p:RestoreAdditionalProjectSources={dotnet.escaped(store)}",
-            f"-p:ArtifactsPath={dotnet.escaped(Path(fetched, 'made'))}",
-        ]
+        here = f"-p:RestoreAdditionalProjectSources={dotnet.escaped(store)}"
+        made = f"-p:ArtifactsPath={dotnet.escaped(Path(fetched, 'made'))}"
+        words = [*dotnet.NetMQ().properties, here, made, "--packages", fetched]
+        command: list[str | Path] = ["dotnet", "restore", dotnet.CONSOLE, *words]
         result = step("fetching NetMQ from NuGet", command, dotnet.TIMEOUT, dotnet.ENVIRONMENT, ROOT)
         if not result.ok:
             raise KitError(f"{dotnet.refusal(result)}: no C# client in {folder}; try again with internet")

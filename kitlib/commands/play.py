@@ -53,6 +53,6 @@ def do(options: argparse.Namespace) -> int:
     try:
         scripts = dotnet.build(netmq, dotnet.OWN_SCRIPTS, [for_dotnet(path) for path in files], theirs)
     except dotnet.DoesNotCompile as error:
-        raise KitError(why(error.output, files, theirs)) from None
+        raise KitError(why(str(error), files, theirs)) from None
     # A script keeps its files where its owner is, and not in the kit.
     return run_in_terminal(["dotnet", player, scripts, "--unity", *options.words], Path.cwd())

@@ -1,10 +1,11 @@
 """Runs one lesson: the server, then the client, both shown line by line behind a prefix."""
 
-from __future__ import annotations
-
 import argparse
 import functools
+import os
 import shlex
+import sys
+import webbrowser
 from pathlib import Path
 from subprocess import DEVNULL
 
@@ -14,7 +15,6 @@ from kitlib.programs import MOMENT, TIMEOUT, Program, quietly, wait
 from kitlib.setup import dotnet, python_setup
 from kitlib.signals import uninterrupted
 from kitlib.terminal import say, show
-from kitlib.watch import EXTRA, open_page, tap_command
 
 ABOUT = "Runs a lesson: starts its Python server and a client, shows both line by line, and stops the server."
 EXAMPLES = [
@@ -24,6 +24,10 @@ EXAMPLES = [
     'run 1 --options="--count 3"      the client asks three times',
     'run 2 --watch --options="--count 200000 --timeout 2"   a page shows the messages, and drops one by a button',
 ]
+# The page of --watch is lesson 16's tap, which needs this extra beyond the core.
+EXTRA = "16_web_gateway"
+# So many seconds a browser has to open it.
+OPENING = 20.0
 CURE = 'what the client takes goes into --options="…", what the server takes into --server="…"'
 
 
@@ -45,8 +49,7 @@ def add_folder(parser: argparse.ArgumentParser) -> None:
 
 def add_client(parser: argparse.ArgumentParser) -> None:
     """Which client, and on what."""
-    kinds = ("csharp", "python", "unity")
-    parser.add_argument("--client", choices=kinds, help="csharp, if not said")
+    parser.add_argument("--client", choices=("csharp", "python", "unity"), help="csharp, if not said")
 
 
 def do(options: argparse.Namespace) -> int:
@@ -63,6 +66,25 @@ def do(options: argparse.Namespace) -> int:
     server = [*server_command(lesson, python), *given, *for_server]
     tap = tap_command(lesson, python) if options.watch else []
     return run(lesson.folder(options.folder), server, others, client, behind(lesson, python, for_server), tap)
+
+
+def tap_command(lesson: Lesson, python: Path | str) -> list[str]:
+    """The words that start it, but for the servers that it stands in front of."""
+    program, title = Lesson(EXTRA).python / "tap.py", f"Lesson {lesson.number:02}: {lesson.key[3:].replace('_', ' ')}"
+    return [str(python), str(program), "--endpoint", "tcp://127.0.0.1:0", "--title", title]
+
+
+def open_page(tap: Program) -> None:
+    """Open it before there is a client, so that its first messages are seen as they pass."""
+    page = tap.wait_for(r"^page at (\S+)")[1]
+    # Without a display Python may find a browser that takes over this terminal.
+    display = sys.platform in ("win32", "darwin") or {"DISPLAY", "WAYLAND_DISPLAY", "BROWSER"} & set(os.environ)
+    opened = display and webbrowser.open(page)
+    say(f"{'opening' if opened else 'open'} {page} in a browser; the client starts then, or after {OPENING:.0f} s")
+    try:
+        tap.wait_for("^a page looks on$", OPENING)
+    except KitError:
+        say("no page is open; the client starts, and a page that is opened later shows the latest messages")
 
 
 def own_options(name: str, file: str) -> str:
@@ -106,8 +128,6 @@ class Session:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        # A Ctrl-C before the client has ended is the end of the run.
-        self.code = 130
         self.started: list[Program] = []
         self.last = ""
 
@@ -130,36 +150,29 @@ class Session:
             show("client", self.last)
         self.last = ""
 
-    def __enter__(self) -> Session:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, *_: object) -> bool:
-        stopped = kind is KeyboardInterrupt
+    def end(self, moment: float) -> None:
         with uninterrupted():
             # The last one was waited for; any other one that has ended by now may have been killed.
             for program in self.started[:-1]:
                 if program.process.poll() is not None:
                     wait(program.process, Path(program.command[1]).name)
             for program in reversed(self.started):
-                # The terminal sends Ctrl-C to the programs too; they are given the time to end by themselves.
-                program.end(MOMENT if stopped else 0)
+                program.end(moment)
             self.show_last()
-        return stopped
 
 
-def run(
-    folder: Path,
-    server: list[str],
-    others: list[list[str]],
-    client: list[str],
-    behind: dict[str, list[str]],
-    tap: list[str] | None = None,
-) -> int:
+Words = list[str]
+
+
+def run(folder: Path, server: Words, others: list[Words], client: Words, behind: dict[str, Words], tap: Words) -> int:
     """Run both sides, and what else the lesson starts; returns the client's exit code, or without one the server's.
 
     A tap between them stays until Ctrl-C.
     """
-    with Session(folder) as session:
+    session = Session(folder)
+    # A Ctrl-C before the client has ended is the end of the run.
+    code, moment = 130, 0.0
+    try:
         for name, command in behind.items():
             server = [*server, name, ready(session.start(name.strip("-"), command))["endpoint"]]
         serving = session.start("server", server)
@@ -178,12 +191,17 @@ def run(
             session.start(name, [*other, "--endpoint", addresses["endpoint"]])
         words = [word for name, address in addresses.items() for word in (f"--{name}", address)]
         # Its keyboard is the terminal's: lesson 08 is driven by it.
-        session.code = wait(session.start("client", [*client, *words], stdin=None).process, "client")
+        code = wait(session.start("client", [*client, *words], stdin=None).process, "client")
         if tap:
             session.show_last()
             say("the page stays until Ctrl-C")
             wait(watched.process, "tap")
-    return session.code
+    except KeyboardInterrupt:
+        # The terminal sends Ctrl-C to the programs too; they are given the time to end by themselves.
+        moment = MOMENT
+    finally:
+        session.end(moment)
+    return code
 
 
 def ready(server: Program, name: str = "server") -> dict[str, str]:
@@ -200,12 +218,8 @@ def ready(server: Program, name: str = "server") -> dict[str, str]:
 
 def split(text: str, option: str) -> list[str]:
     """The words of an option that holds options for a program."""
-    lexer = shlex.shlex(text, posix=True, punctuation_chars=False)
-    lexer.whitespace_split, lexer.commenters = True, ""
-    if lessons.WINDOWS:
-        # A backslash there is part of a path.
-        lexer.escape = ""
     try:
-        return list(lexer)
+        # On Windows a backslash is part of a path.
+        return shlex.split(text.replace("\\", r"\\") if lessons.WINDOWS else text)
     except ValueError:
         raise UsageError(f'{option} {text}: a quotation mark in it is not closed; write {option}="…"') from None

@@ -41,15 +41,14 @@ def do(options: argparse.Namespace) -> int:
     if options.reload:
         where = ["--folder", str(options.folder)] if options.folder else []
         again = [sys.executable, str(ROOT / "kit.py"), "server", lesson.key, *where, "--", *options.words]
-        return run_reloading(
-            again, [lesson.python, *(other.python for _, other in lesson.behind), PYTHON / IMPORT_NAME]
-        )
+        others = [other.python for _, other in lesson.behind]
+        return run_reloading(again, [lesson.python, *others, PYTHON / IMPORT_NAME])
     python = python_setup.interpreter(lesson.key)
     if any("0.0.0.0" in word for word in options.words):
         say(f"0.0.0.0 stands for every network that this machine is in; other machines connect to {address()}")
     command, folder = [*server_command(lesson, python), *options.words], lesson.folder(options.folder)
     if lesson.behind and "--help" not in options.words:
-        return run(folder, command, [], [], behind(lesson, python, options.words))
+        return run(folder, command, [], [], behind(lesson, python, options.words), [])
     return run_in_terminal(command, folder)
 
 

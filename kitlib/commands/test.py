@@ -33,18 +33,14 @@ def do(options: argparse.Namespace) -> int:
     house = ["style"] if any(word.startswith(HOUSE) for word in options.words) else []
     python = python_setup.interpreter("tests", *house, optional=optional(lesson))
     say(f"testing with {python}")
-    words = [
-        *side_by_side(python, options.words),
-        *(of_a_lesson(lesson, options.words[1:]) if lesson else options.words),
-    ]
-    pytest = None
+    chosen = of_a_lesson(lesson, options.words[1:]) if lesson else options.words
+    words = [*side_by_side(python, options.words), *chosen]
+    pytest = spawn([str(python), "-m", "pytest", *words], cwd=ROOT)
     try:
-        pytest = spawn([str(python), "-m", "pytest", *words], cwd=ROOT)
         return wait(pytest, "pytest")
     finally:
-        if pytest:
-            # After Ctrl-C pytest ends the programs of the test that was running, and says how far it came.
-            end(pytest, 60)
+        # After Ctrl-C pytest ends the programs of the test that was running, and says how far it came.
+        end(pytest, 60)
 
 
 def lesson_of(words: list[str]) -> Lesson | None:

@@ -22,9 +22,8 @@ CURE = 'a path with a space in it goes between quotation marks: unity "../My Gam
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     where = parser.add_mutually_exclusive_group(required=True)
-    where.add_argument(
-        "project", type=Path, nargs="?", metavar="PATH", help="the folder that holds Assets and ProjectSettings"
-    )
+    help = "the folder that holds Assets and ProjectSettings"
+    where.add_argument("project", type=Path, nargs="?", metavar="PATH", help=help)
     where.add_argument("--package", type=Path, metavar="FILE", help="write a .unitypackage instead")
     parser.add_argument("--lesson", help="copy only what this lesson needs")
     parser.add_argument("--force", action="store_true", help="overwrite files that were changed")

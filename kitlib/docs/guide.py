@@ -18,8 +18,6 @@ A fenced block says where it comes from in a comment on the line above it:
 rewritten keeps as many lines before its first `...` and after its last one as it had; what stood between is gone.
 """
 
-from __future__ import annotations
-
 import argparse
 import ast
 import difflib
@@ -34,6 +32,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
 
+from kitlib.commands import guarded
 from kitlib.lessons import ROOT, KitError, find
 from kitlib.programs import quietly
 
@@ -54,6 +53,8 @@ class Block:
     source: str
     language: str
     body: str
+    # The place of the body in the page's text.
+    start: int
 
     @property
     def where(self) -> str:
@@ -66,19 +67,13 @@ def pages() -> list[Path]:
     return [ROOT / "README.md", *sorted((ROOT / "docs" / "guide").glob("*.md"))]
 
 
-def blocks(page: Path, text: str | None = None) -> Iterator[Block]:
-    """The blocks of a page, or of another text that stands for it."""
-    if text is None:
-        text = page.read_text(encoding="utf-8")
+def blocks(page: Path) -> Iterator[Block]:
+    """The blocks of a page."""
+    text = page.read_text(encoding="utf-8")
     for found in BLOCK.finditer(text):
-        yield as_block(page, text, found)
-
-
-def as_block(page: Path, text: str, found: re.Match[str]) -> Block:
-    """A block of a page, as BLOCK has found it."""
-    kind, _, source = (found["mark"] or "").partition(":")
-    line = text.count("\n", 0, found.start()) + 1
-    return Block(page, line, kind.strip(), source.strip(), found["language"], found["body"])
+        kind, _, source = (found["mark"] or "").partition(":")
+        line = text.count("\n", 0, found.start()) + 1
+        yield Block(page, line, kind.strip(), source.strip(), found["language"], found["body"], found.start("body"))
 
 
 def excerpt(source: str) -> str:
@@ -108,11 +103,11 @@ def csharp_lines(text: str, name: str) -> range | None:
     lines = text.splitlines()
     attribute = r"\[[^\]]*\]\s*"
     declares = re.compile(rf"^\s*({attribute})*(public|private|internal|protected)\b(?! abstract)[^=;(]*\b{name}\b")
-    start = end = next((i for i, line in enumerate(lines) if declares.match(line)), None)
-    if start is None or end is None:
+    found = [i for i, line in enumerate(lines) if declares.match(line)]
+    if not found:
         return None
     # Attributes stand above it, and above them XML documentation, which is left out.
-    above = start
+    start = above = end = found[0]
     while above and not re.search(r"[;{}]|^\s*///|^\s*$", re.sub(r'"[^"]*"', "", lines[above - 1])):
         above -= 1
         if lines[above].lstrip().startswith("["):
@@ -219,22 +214,17 @@ def ran(block: Block) -> str:
 
 def rewrite(page: Path, bodies: Mapping[str, Callable[[Block], str]]) -> None:
     """Give each block of these kinds the body that its function returns."""
-    text = page.read_text(encoding="utf-8")
-
-    def replace(found: re.Match[str]) -> str:
-        this = as_block(page, text, found)
-        if this.kind not in bodies:
-            return found[0]
-        start, end = (place - found.start() for place in found.span("body"))
-        return found[0][:start] + bodies[this.kind](this) + found[0][end:]
-
-    new = BLOCK.sub(replace, text)
+    text = new = page.read_text(encoding="utf-8")
+    # From the last one on, so that the places of the others stay; but the runs of a page follow one another.
+    made = [(block, bodies[block.kind](block)) for block in blocks(page) if block.kind in bodies]
+    for block, body in reversed(made):
+        new = new[: block.start] + body + new[block.start + len(block.body) :]
     if new != text:
         page.write_text(new, encoding="utf-8", newline="\n")
         print(f"{page.relative_to(ROOT).as_posix()}: rewritten")
 
 
-def main() -> None:
+def main() -> int:
     """Rewrite the pages of the command line, or all."""
     parser = argparse.ArgumentParser(description="Rewrites the excerpts and transcripts of the README and the guide.")
     parser.add_argument("pages", nargs="*", type=Path, metavar="PAGE", help="these pages alone")
@@ -252,12 +242,8 @@ def main() -> None:
     for each in by_hand:
         print(f"{each.where}: by hand: {each.source}")
     print(f"{len(by_hand)} blocks by hand")
+    return 0
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except KitError as error:
-        sys.exit(str(error))
-    except KeyboardInterrupt:
-        sys.exit(130)
+    sys.exit(guarded(main))

@@ -1,22 +1,19 @@
 """The C# side: the .NET SDK, where NetMQ comes from, and a build that is made again only when a file has changed."""
 
-from __future__ import annotations
-
 import functools
 import hashlib
 import json
 import os
 import re
 import shutil
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from kitlib import lessons
-from kitlib.lessons import BUILD, KIT, PACKAGE, PACKAGES, ROOT, KitError, denied, keep, read_json, unwritable, writable
+from kitlib.files import keep, locked
+from kitlib.lessons import BUILD, KIT, PACKAGE, PACKAGES, ROOT, KitError, denied, read_json, unwritable, writable
 from kitlib.programs import Result, quietly, step
-from kitlib.setup.lock import locked
 from kitlib.terminal import say
 
 CONSOLE = ROOT / "csharp-console"
@@ -28,8 +25,15 @@ LIBRARIES = ("NetMQExample", "UnityPlayer")
 LOCK = BUILD / "lock"
 INSTALLER = "https://dotnet.microsoft.com/download"
 DOWNLOAD = f"no .NET SDK 8 or later here: get it from {INSTALLER}; just installed: open a new terminal"
+# MSBuild takes every variable for a property, such as VERSION or OutDir, and an empty one for none. The variables that
+# the system and .NET themselves need have one of these names, or an underscore.
+OF_THE_SYSTEM = (
+    r"PATH|PATHEXT|HOME\w*|USER\w*|LOGNAME|PUBLIC|TMPDIR|TMP|TEMP|LANG|LANGUAGE|TZ|TERM|SHELL|COMSPEC|OS|WINDIR|SYSTEM\w+"
+    r"|APPDATA|LOCALAPPDATA|ALLUSERSPROFILE|(COMMON)?PROGRAM\w+(\(X86\))?|COMPUTERNAME|PSMODULEPATH|\w*_\w*"
+)
+ENVIRONMENT = {name: "" for name in os.environ if not re.fullmatch(OF_THE_SYSTEM, name, re.IGNORECASE)}
 # No server that stays behind after a build, no telemetry, no greeting; and NuGet asks twice at most.
-ENVIRONMENT = {
+ENVIRONMENT |= {
     "DOTNET_NOLOGO": "1",
     "DOTNET_CLI_TELEMETRY_OPTOUT": "1",
     "DOTNET_CLI_UI_LANGUAGE": "en",
@@ -38,19 +42,9 @@ ENVIRONMENT = {
     "NUGET_ENHANCED_MAX_NETWORK_TRY_COUNT": "2",
     "NUGET_ENHANCED_NETWORK_RETRY_DELAY_MILLISECONDS": "200",
 }
-# MSBuild takes every variable for a property, such as VERSION or OutDir, and an empty one for none. The variables that
-# the system and .NET themselves need have one of these names, or an underscore.
-OF_THE_SYSTEM = (
-    r"PATH|PATHEXT|HOME\w*|USER\w*|LOGNAME|PUBLIC|TMPDIR|TMP|TEMP|LANG|LANGUAGE|TZ|TERM|SHELL|COMSPEC|OS|WINDIR|SYSTEM\w+"
-    r"|APPDATA|LOCALAPPDATA|ALLUSERSPROFILE|(COMMON)?PROGRAM\w+(\(X86\))?|COMPUTERNAME|PSMODULEPATH|\w*_\w*"
-)
-ENVIRONMENT = {name: "" for name in os.environ if not re.fullmatch(OF_THE_SYSTEM, name, re.IGNORECASE)} | ENVIRONMENT
 # In a container HOME may be / or nothing: what dotnet and NuGet keep goes into .build then.
 if not lessons.WINDOWS and not os.access(os.environ.get("HOME", ""), os.W_OK):
     ENVIRONMENT["HOME"] = str(BUILD)
-# NuGet says these when it does not hold a package, or not this version of it, or cannot be reached at all.
-ABSENT = ("NU1101", "NU1102", "NU1103")
-UNREACHABLE = ("NU1301", "NU1801")
 NO_SOURCE = "dotnet nuget add source https://api.nuget.org/v3/index.json -n nuget.org"
 # In the lines in which dotnet says what is wrong, during a build and before there is one.
 ERRORS = (" error ", "Requested SDK", "not found", "not be found", "Couldn't", "No usable", "ailed")
@@ -62,12 +56,9 @@ NO_FAULT_OF_THE_CODE = {
 # The first restore on a Windows machine has to wait for the virus scanner.
 TIMEOUT = 180 if lessons.WINDOWS else 60
 # Where the installers put dotnet: a terminal that was open before does not have it on its PATH yet.
-PLACES = {
-    "win32": Path(os.environ.get("PROGRAMFILES", "C:/Program Files"), "dotnet"),
-    "darwin": Path("/usr/local/share/dotnet"),
-}
-if sys.platform in PLACES and PLACES[sys.platform].exists() and not shutil.which("dotnet"):
-    os.environ["PATH"] += f"{os.pathsep}{PLACES[sys.platform]}"
+PROGRAMS = os.environ.get("PROGRAMFILES", "C:/Program Files") if lessons.WINDOWS else "/usr/local/share"
+if Path(PROGRAMS, "dotnet").exists() and not shutil.which("dotnet"):
+    os.environ["PATH"] += f"{os.pathsep}{Path(PROGRAMS, 'dotnet')}"
 
 
 class NoNetMQ(KitError):
@@ -75,18 +66,12 @@ class NoNetMQ(KitError):
 
 
 class DoesNotCompile(KitError):
-    """Somebody has changed a C# file: another client would hide it. `output` is what the compiler says."""
-
-    def __init__(self, why: str, output: str = "") -> None:
-        super().__init__(why)
-        self.output = output
+    """Somebody has changed a C# file: another client would hide it. It says what the compiler says."""
 
 
 @functools.cache
 def sdk() -> str | None:
     """The version of the newest .NET SDK, or None where there is none of 8 or later."""
-    if not shutil.which("dotnet"):
-        return None
     versions = re.findall(r"^(\d+)\.(\S+)", quietly(["dotnet", "--list-sdks"], 60, ENVIRONMENT).output, re.MULTILINE)
     recent = [(int(major), f"{major}.{rest}") for major, rest in versions if int(major) >= 8]
     return max(recent)[1] if recent else None
@@ -94,11 +79,15 @@ def sdk() -> str | None:
 
 @dataclass(frozen=True)
 class NetMQ:
-    """Where the package NetMQ comes from."""
+    """Where the package NetMQ comes from: from NuGet, or from a folder of packages that was brought along."""
 
-    why: str
-    # The folder of packages that was brought along, if they come from there and nowhere else.
     folder: str = ""
+
+    @property
+    def why(self) -> str:
+        if self.folder:
+            return f"from the folder {Path(self.folder).name}"
+        return "NuGet, or its store on this machine, has it"
 
     @property
     def properties(self) -> list[str]:
@@ -116,8 +105,8 @@ def escaped(value: str | Path) -> str:
 
 def nuget_folder() -> Path:
     """NuGet's store on this machine."""
-    chosen = os.environ.get("NUGET_PACKAGES")
-    return Path(chosen) if chosen else Path(ENVIRONMENT.get("HOME") or Path.home(), ".nuget", "packages")
+    home = ENVIRONMENT.get("HOME") or Path.home()
+    return Path(os.environ.get("NUGET_PACKAGES") or Path(home, ".nuget", "packages"))
 
 
 def restore(netmq: NetMQ) -> Result:
@@ -138,29 +127,25 @@ def find_netmq(ask_again: bool = False) -> NetMQ:
     brought = sorted(path.name for path in PACKAGES.glob("*.nupkg"))
     key = hashlib.sha256(json.dumps([settings, targets, brought, sdk()]).encode()).hexdigest()
     known = read_json(memory)
-    if known.pop("key", "") == key and not ask_again:
-        try:
-            return NetMQ(**known)
-        except TypeError:
-            pass
+    if known.get("key") == key and not ask_again:
+        return NetMQ(str(known.get("folder", "")))
     if not writable(BUILD):
         raise NoNetMQ(unwritable(BUILD))
     netmq = ask_nuget()
-    keep(memory, json.dumps({"key": key, **netmq.__dict__}))
+    keep(memory, json.dumps({"key": key, "folder": netmq.folder}))
     return netmq
 
 
 def ask_nuget() -> NetMQ:
     """A restore shows what they can give. A refusal is not kept: NuGet may answer next time."""
     if any(PACKAGES.glob("*.nupkg")):
-        brought = NetMQ(f"from the folder {PACKAGES.name}", str(PACKAGES))
+        brought = NetMQ(str(PACKAGES))
         if (result := restore(brought)).ok:
             return brought
         say(f"the folder {PACKAGES.name} does not do: {result.first(' error ')}")
     say(f"asking NuGet for NetMQ ({TIMEOUT} s at the most) …")
-    found = NetMQ("NuGet, or its store on this machine, has it")
-    if (result := restore(found)).ok:
-        return found
+    if (result := restore(NetMQ())).ok:
+        return NetMQ()
     raise NoNetMQ(f"{refusal(result)}; a folder {PACKAGES.name} from `{KIT} pack` serves without internet")
 
 
@@ -170,9 +155,10 @@ def refusal(result: Result) -> str:
         return "no source for NetMQ and what it needs: add the pattern * to packageSourceMapping in your nuget.config"
     if "NU1100" in result.output:
         return f"no source of NuGet's holds NetMQ (with internet: {NO_SOURCE})"
-    if any(code in result.output for code in ABSENT):
+    # It does not hold the package, or not this version of it.
+    if re.search("NU110[123]", result.output):
         return "NuGet does not hold NetMQ"
-    if result.code == 124 or any(code in result.output for code in UNREACHABLE):
+    if result.code == 124 or re.search("NU1301|NU1801", result.output):
         return "NuGet cannot be reached"
     if why := denied(result.output):
         raise KitError(why)
@@ -184,9 +170,7 @@ def fingerprint(netmq: NetMQ, sources: list[Path]) -> str:
     digest = hashlib.sha256(f"{sdk()} {netmq.properties}".encode())
     for source in sources:
         for path in [source] if source.is_file() else sorted(source.rglob("*")):
-            if path.suffix in (".cs", ".csproj", ".props", ".targets") and not {"bin", "obj"} & set(
-                path.relative_to(source).parts
-            ):
+            if path.suffix in (".cs", ".csproj", ".props", ".targets"):
                 digest.update(f"{path}{path.stat().st_mtime_ns}{path.stat().st_size}".encode())
     return digest.hexdigest()
 
@@ -206,10 +190,11 @@ def build(
     stamp = BUILD / f"{folder}.stamp"
     now = f"{theirs is None} {fingerprint(netmq, [CONSOLE, SUPPORT, project, PACKAGE, *own, *(theirs or ())])}"
 
+    # An interrupted build of another project may have taken away what all of them refer to.
+    wanted = [dll, *(BUILD / "bin" / one / "release" / f"{one}.dll" for one in LIBRARIES)]
+
     def fresh() -> bool:
-        # An interrupted build of another project may have taken away what all of them refer to.
-        there = all((BUILD / "bin" / one / "release" / f"{one}.dll").exists() for one in LIBRARIES)
-        return there and dll.exists() and read_json(stamp).get("sources") == now
+        return all(map(Path.exists, wanted)) and read_json(stamp).get("sources") == now
 
     if fresh():
         return dll
@@ -226,7 +211,10 @@ def build(
         no_references = ["-p:BuildProjectReferences=false"] if own else []
         words = [*netmq.properties, *again, *no_references, "-v:quiet", "-clp:NoSummary"]
         # MSBuild takes a variable for a property; on its command line a semicolon would end it.
-        kit = taken_from_the_kit(own) if theirs is None else []
+        # Compiled once more, the classes of unchanged copies would be other ones than the kit's. Beside a changed copy
+        # they are the reader's too: it is the changed one that they are to use.
+        unchanged = theirs is None and not any(map(changed_copy, own))
+        kit = [path for path in own if unchanged and any(PACKAGE.rglob(path.name))]
         names = [escaped(path) for path in [*own, *(theirs or ())] if path not in kit]
         environment = {
             **ENVIRONMENT,
@@ -240,27 +228,18 @@ def build(
         forget_old_lists()
         result = step(f"building {name}", ["dotnet", "build", project, *words], 500, environment, ROOT)
         if not result.ok:
-            if "error CS" in result.output:
-                raise DoesNotCompile(failure(result), result.output)
-            raise KitError(failure(result))
+            why = failure(result)
+            raise DoesNotCompile(why) if "error CS" in why else KitError(why)
         keep(stamp, json.dumps({"sources": now}))
     return dll
 
 
-def forget_old_lists(kept: int = 20) -> None:
+def forget_old_lists() -> None:
     """A day of trying things out should not fill a disk."""
-    for stamp in sorted(BUILD.glob(f"{OWN_SCRIPTS.name}-*.stamp"), key=lambda path: path.stat().st_mtime)[:-kept]:
+    for stamp in sorted(BUILD.glob(f"{OWN_SCRIPTS.name}-*.stamp"), key=lambda path: path.stat().st_mtime)[:-20]:
         for place in "bin", "obj":
             shutil.rmtree(BUILD / place / stamp.stem, ignore_errors=True)
         stamp.unlink()
-
-
-def taken_from_the_kit(own: Sequence[Path]) -> list[Path]:
-    """The kit's scripts and unchanged copies: compiled once more, their classes would be other ones.
-
-    Beside a changed copy they are the reader's too: it is the changed one that they are to use.
-    """
-    return [] if any(map(changed_copy, own)) else [path for path in own if any(PACKAGE.rglob(path.name))]
 
 
 def changed_copy(path: Path) -> bool:

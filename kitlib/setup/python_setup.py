@@ -3,8 +3,6 @@
 Where neither has it, one line says what to run.
 """
 
-from __future__ import annotations
-
 import functools
 import hashlib
 import json
@@ -14,28 +12,22 @@ import shutil
 import sys
 import tomllib
 from collections.abc import Iterable
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from kitlib import imports
-from kitlib.lessons import BUILD, KIT, PACKAGES, ROOT, KitError, Lesson, denied, keep, read_json, unwritable, writable
+from kitlib.files import keep
+from kitlib.lessons import BUILD, KIT, PACKAGES, ROOT, KitError, Lesson, denied, read_json, unwritable, writable
 from kitlib.programs import Result, quietly, step
 from kitlib.terminal import command, say
 
 VENV = ROOT / ".venv"
 CHOICE = BUILD / "python.json"
-# This system, as `kit.py pack` calls it.
+# This system and this Python, as `kit.py pack` calls them.
 HERE = {"win32": "windows", "darwin": "macos"}.get(sys.platform, "linux")
+VERSION = f"{sys.version_info[0]}.{sys.version_info[1]}"
 # The name to import, where it is not simply the name on PyPI.
-IMPORTS = {
-    "pytest-xdist": "xdist",
-    "pyzmq": "zmq",
-    "pillow": "PIL",
-    "pyyaml": "yaml",
-    "grpcio": "grpc",
-    "python-socketio": "socketio",
-}
+IMPORTS = {"pytest-xdist": "xdist", "pyzmq": "zmq", "pillow": "PIL", "pyyaml": "yaml", "grpcio": "grpc"}
 # Pip says these where no index answers, or does not hold a package.
 NOTHING = ("Could not find a version", "No matching distribution", "Max retries")
 # Nobody gets these unasked: each is large, not there for every system, and of use to a part of a lesson alone.
@@ -83,7 +75,7 @@ def imported(files: Iterable[Path]) -> list[str]:
 
 def module(package: str) -> str:
     """`zmq` of `pyzmq`: the name to import."""
-    return IMPORTS.get(package, package.replace("-", "_"))
+    return IMPORTS.get(package, package.removeprefix("python-").replace("-", "_"))
 
 
 def all_extras() -> list[str]:
@@ -168,8 +160,13 @@ def interpreter(*extras: str, optional: tuple[str, ...] = ()) -> Path:
     known = read_json(CHOICE).get(key)
     if isinstance(known, str) and os.path.exists(known) and has(known, required):
         return chosen(Path(known))
-    if not (python := from_pip(required, wanted) or from_this_python(required)):
-        raise KitError(nowhere([name(need) for need in required]))
+    names = [name(need) for need in required]
+    python = from_pip(required, wanted)
+    if not python and has(sys.executable, required):
+        say(f"using {sys.executable}, which has {', '.join(names)}")
+        python = Path(sys.executable)
+    if not python:
+        raise KitError(nowhere(names))
     keep(CHOICE, json.dumps({**read_json(CHOICE), key: str(python)}))
     return chosen(python)
 
@@ -178,8 +175,7 @@ def nowhere(names: list[str]) -> str:
     """The cure where no interpreter has these packages and pip cannot fetch them."""
     cure = command(sys.executable, "-m", "pip", "install", *names)
     if any(PACKAGES.glob("*.whl")):
-        mine = f"--system {HERE} --python {sys.version_info[0]}.{sys.version_info[1]}"
-        cure = f"{KIT} pack {mine} ({PACKAGES.name} is for another Python or system)"
+        cure = f"{KIT} pack --system {HERE} --python {VERSION} ({PACKAGES.name} is for another Python or system)"
         if not any(quietly([sys.executable, "-m", pip, "--version"], limit=60).ok for pip in ("pip", "ensurepip")):
             return f"{sys.executable} has no pip: with internet install it (Debian, Ubuntu: python3-venv)"
     elif shutil.which("apt-get") and sys.executable.startswith("/usr/bin/"):
@@ -269,12 +265,12 @@ def make_venv() -> bool:
     if any(os.path.lexists(other) for other in others if other != venv_python()):
         say(f"{VENV} is of another system or of conda, and stays: copy the kit to a folder of its own for this one")
         return False
-    result = Result(0, "")
-    for option in ([], ["--without-pip"]):
+    for links, option in ((True, []), (False, []), (False, ["--without-pip"])):
         # The leavings of a failed try would look like an environment to the next.
         shutil.rmtree(VENV, ignore_errors=True)
-        if HERE == "linux" and not links_can_be_made():
-            # Of all that is a link in an environment, only this one cannot be a copy. It may be there already.
+        if HERE == "linux" and not links:
+            # Of all that is a link in an environment, only this one cannot be a copy, as on a stick or in a shared
+            # folder. It may be there already.
             (VENV / "lib64").mkdir(parents=True, exist_ok=True)
         result = quietly([sys.executable, "-I", "-m", "venv", *option, VENV], limit=120)
         if result.ok:
@@ -283,21 +279,3 @@ def make_venv() -> bool:
     said = denied(result.output) or f"{result.first('rror')} (on Debian the package is python3-venv)"
     say(f"this Python cannot make a virtual environment: {said}")
     return False
-
-
-def links_can_be_made() -> bool:
-    """Not on a stick, in a shared folder or on many a network's drive."""
-    link = BUILD / f"link.{os.getpid()}"
-    with suppress(OSError):
-        link.symlink_to("nowhere")
-        link.unlink()
-        return True
-    return False
-
-
-def from_this_python(required: list[str]) -> Path | None:
-    """The one that runs kit.py, if it has the packages."""
-    if has(sys.executable, required):
-        say(f"using {sys.executable}, which has {', '.join(map(name, required))}")
-        return Path(sys.executable)
-    return None

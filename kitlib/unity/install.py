@@ -3,8 +3,6 @@
 Nothing is written before everything is at hand and nothing stands in the way: an interrupted run leaves no half.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import re
@@ -70,17 +68,13 @@ def check_age(root: Path, lesson: str | None, files: dict[str, bytes]) -> None:
     age = unity_version(root)
     if age >= OLDEST or (age >= (2021, 2) and not steps_physics(files)):
         return
-    if age < (2021, 2):
-        reason = "NetMQ needs 2021.2 or later (.NET Standard 2.1), all lessons 2022.3"
-        cure = ""
-    else:
+    reason, cure = "NetMQ needs 2021.2 or later (.NET Standard 2.1), all lessons 2022.3", ""
+    if age >= (2021, 2):
         reason = f"{f'lesson {lesson} steps physics, which' if lesson else 'the whole package'} needs 2022.3 or later"
         able = [str(one.number) for one in lessons() if not steps_physics(scripts(str(one.number)))]
         cure = f"--lesson takes {', '.join(able[:-1])} or {able[-1]} here; for the others "
-    raise KitError(
-        f"this project is for Unity {age[0]}.{age[1]}; {reason}: nothing was copied; "
-        f"{cure}open a copy of the project with a newer editor in Unity Hub"
-    )
+    cure += "open a copy of the project with a newer editor in Unity Hub"
+    raise KitError(f"this project is for Unity {age[0]}.{age[1]}; {reason}: nothing was copied; {cure}")
 
 
 def add_packages(root: Path, needed: dict[str, str], there: Inventory) -> None:
@@ -119,11 +113,9 @@ def write(root: Path, files: dict[str, bytes], force: bool, dlls: bool) -> None:
     """All of them or none. With `dlls`, a DLL that an earlier run wrote and this one does not is deleted."""
     record = read_json(root / RECORD)
     # Unity writes .meta files itself, and other files may refer to what they say: one that is not ours stays.
-    wanted = {
-        n: d
-        for n, d in files.items()
-        if not (n.endswith(".meta") and (root / n).exists() and digest((root / n).read_bytes()) != record.get(n))
-    }
+    metas = [name for name in files if name.endswith(".meta") and (root / name).exists()]
+    unitys = [name for name in metas if digest((root / name).read_bytes()) != record.get(name)]
+    wanted = {name: data for name, data in files.items() if name not in unitys}
     found = news(root, wanted, record, "" if force else "was changed in your project")
     # On Windows a file that is read-only cannot be replaced: version control makes them so until they are checked out.
     if locked := [name for name in found if (root / name).exists() and not os.access(root / name, os.W_OK)]:

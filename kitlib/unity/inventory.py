@@ -1,7 +1,5 @@
 """The libraries that a Unity project has already: by whichever route they came, and for whom."""
 
-from __future__ import annotations
-
 import itertools
 import json
 import re
@@ -60,9 +58,7 @@ class Inventory:
 
     def __init__(self, root: Path) -> None:
         # Unity writes down what it has resolved, also what a package brings along.
-        lock = read_json(root / "Packages" / "packages-lock.json").get("dependencies")
-        entries = lock if isinstance(lock, dict) else {}
-        locked = {name: entry if isinstance(entry, dict) else {} for name, entry in entries.items()}
+        locked = read_json(root / "Packages" / "packages-lock.json").get("dependencies") or {}
         named = {name: str(entry.get("version", "")) for name, entry in locked.items()} | dependencies(root)
         cache = list((root / "Library" / "PackageCache").glob("*@*"))
         folders = {folder: folder.name.split("@")[0] for folder in cache}
@@ -84,10 +80,8 @@ class Inventory:
         found = [copy for copy in self.copies if copy.name == "NetMQ.dll"]
         for copy in found:
             if copy.parts and copy.version and numbers(copy.version) < numbers(OLDEST_NETMQ):
-                raise KitError(
-                    f"{copy.where} has NetMQ {copy.version}, and the scripts need {OLDEST_NETMQ} or later: "
-                    f"nothing was copied; {copy.cure}, and run this again"
-                )
+                need = f"the scripts need {OLDEST_NETMQ} or later: nothing was copied"
+                raise KitError(f"{copy.where} has NetMQ {copy.version}, and {need}; {copy.cure}, and run this again")
         for one, other in itertools.combinations(found, 2):
             if one.parts & other.parts:
                 yield f"NetMQ is here twice, by {one.where} and {other.where}: remove one, or nothing compiles"
@@ -107,11 +101,9 @@ def dependencies(root: Path) -> dict[str, str]:
         return {}
     try:
         found = json.loads(path.read_text(encoding="utf-8-sig")).get("dependencies", {})
-        if not isinstance(found, dict):
-            raise ValueError("its dependencies are no object")
+        return {name: str(version) for name, version in found.items()}
     except (ValueError, AttributeError) as error:
         raise KitError(f"{path} is no valid manifest: {error}; correct it, Unity cannot open it either") from None
-    return {name: str(version) for name, version in found.items()}
 
 
 def package_folders(root: Path) -> list[Path]:
@@ -146,9 +138,8 @@ def nuget(path: Path) -> dict[str, str]:
 
 def by_file(root: Path, folders: dict[Path, str], packages: dict[str, str]) -> Iterator[Copy]:
     """The DLLs that lie in the project and in its packages, but for those that by_name has."""
-    listed = {
-        (f"/{name}.", BRINGS.get(f"org.nuget.{name}")) for place in NUGET_FOR_UNITY for name in nuget(root / place)
-    }
+    names = [name for place in NUGET_FOR_UNITY for name in nuget(root / place)]
+    listed = [(f"/{name}.", BRINGS.get(f"org.nuget.{name}")) for name in names]
     unity = unity_version(root)
     for folder, package in {root / "Assets": "", **folders}.items():
         for path in imported(folder, "*.dll"):
@@ -173,9 +164,8 @@ def file_version(dll: Path, where: str) -> str:
     """The version that stands in a DLL's resources, in UTF-16; empty if there is none."""
     data = dll.read_bytes()
     if data.startswith(b"version https://git-lfs"):
-        raise KitError(
-            f"{where} is not here yet, only Git LFS's note of it: nothing was copied; run git lfs pull first"
-        )
+        note = "only Git LFS's note of it"
+        raise KitError(f"{where} is not here yet, {note}: nothing was copied; run git lfs pull first")
     found = re.search("FileVersion\0".encode("utf-16-le") + rb"(?:\0\0)*((?:[\d.]\0)+)", data)
     return found[1].decode("utf-16-le") if found else ""
 

@@ -1,10 +1,7 @@
 """NetMQ's DLLs for Unity, with their import settings and licences: from NuGet, or from a folder that the user has."""
 
-from __future__ import annotations
-
 import io
 import re
-import urllib.error
 import urllib.request
 import zipfile
 from collections.abc import Callable
@@ -44,21 +41,16 @@ def libraries(folder: Path | None, ask: Callable[[str], set[str]] = lambda name:
         if not (parts := ask(name)):
             continue
         if folder:
-            found[f"{PLUGINS}/{name}"] = in_folder(folder, name)
+            if not (folder / name).is_file():
+                raise KitError(f"there is no {name} in {folder}: nothing was copied")
+            found[f"{PLUGINS}/{name}"] = (folder / name).read_bytes()
         else:
             found[f"{PLUGINS}/{name}"], carried = library(package, version, inside)
             texts |= {f"{package}-{text}": data for text, data in carried.items()}
-        found[f"{PLUGINS}/{name}.meta"] = (
-            IMPORT_SETTINGS.read_text(encoding="utf-8")
-            .format(
-                guid=guid(f"Plugins/{name}"),
-                hidden=int(name.startswith("System.")),
-                editor=int("editor" in parts),
-                no_editor=int("editor" not in parts),
-                builds=int("builds" in parts),
-            )
-            .encode()
-        )
+        where = {"editor": "editor" in parts, "no_editor": "editor" not in parts, "builds": "builds" in parts}
+        settings = IMPORT_SETTINGS.read_text(encoding="utf-8")
+        text = settings.format(guid=guid(f"Plugins/{name}"), hidden=name.startswith("System."), **where)
+        found[f"{PLUGINS}/{name}.meta"] = text.encode()
     found[f"{PLUGINS}.meta"] = meta(PACKAGE / "Shared", guid("Plugins")).encode()
     for name, data in texts.items():
         found[f"{PLUGINS}/{name}"] = data
@@ -66,37 +58,28 @@ def libraries(folder: Path | None, ask: Callable[[str], set[str]] = lambda name:
     return found
 
 
-def in_folder(folder: Path, name: str) -> bytes:
-    """One DLL of a folder that the user has."""
-    if not (folder / name).is_file():
-        raise KitError(f"there is no {name} in {folder}: nothing was copied")
-    return (folder / name).read_bytes()
-
-
 def library(package: str, version: str, inside: str) -> tuple[bytes, dict[str, bytes]]:
     """One DLL, and the notices that its package carries: from NuGet's folder on this machine, put there by dotnet if
     there is one, or from NuGet itself."""
-    name = package.lower()
-    file = f"{name}.{version}.nupkg"
-    here = dotnet.nuget_folder() / name / version / file
+    file = f"{package.lower()}/{version}/{package.lower()}.{version}.nupkg"
+    here = dotnet.nuget_folder() / file
     if not here.exists() and dotnet.sdk():
         say(f"asking NuGet for {package} …")
-        result = dotnet.restore(dotnet.NetMQ(""))
+        result = dotnet.restore(dotnet.NetMQ())
         if not result.ok:
+            others = "without NetMQ's DLLs, for which docs/guide/unity_project.md has other routes"
             why = dotnet.refusal(result)
-            raise KitError(
-                f"{why}: nothing was copied; --scripts-only copies the scripts without NetMQ's DLLs,"
-                " for which docs/guide/unity_project.md has other routes"
-            )
+            raise KitError(f"{why}: nothing was copied; --scripts-only copies the scripts {others}")
+    if not here.exists():
+        say(f"downloading {package} {version} from NuGet …")
     try:
-        with zipfile.ZipFile(here if here.exists() else download(package, version, file)) as archive:
+        with zipfile.ZipFile(here if here.exists() else download(file)) as archive:
             notices = {text: archive.read(text) for text in archive.namelist() if NOTICE.fullmatch(text)}
             return archive.read(inside), notices
-    except (OSError, urllib.error.URLError, zipfile.BadZipFile, KeyError) as error:
+    except (OSError, zipfile.BadZipFile, KeyError) as error:
         raise KitError(f"NuGet gave no {package} {version} ({error}): nothing was copied") from None
 
 
-def download(package: str, version: str, file: str) -> io.BytesIO:
-    say(f"downloading {package} {version} from NuGet …")
-    with urllib.request.urlopen(f"{NUGET}/{package.lower()}/{version}/{file}", timeout=20) as answer:
+def download(file: str) -> io.BytesIO:
+    with urllib.request.urlopen(f"{NUGET}/{file}", timeout=20) as answer:
         return io.BytesIO(answer.read())

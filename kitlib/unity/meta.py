@@ -6,8 +6,6 @@ A GUID is made from the path, so that it is the same wherever the file is writte
 scene may have been edited in Unity.
 """
 
-from __future__ import annotations
-
 import functools
 import hashlib
 import re
@@ -27,10 +25,8 @@ def guid(path: str) -> str:
 
 
 def own_guid(path: Path) -> str:
-    """The GUID that a file's .meta says."""
-    found = re.search(r"^guid: ([0-9a-f]{32})$", meta_of(path).read_text(encoding="utf-8"), re.MULTILINE)
-    assert found, f"no guid in {meta_of(path)}"
-    return found[1]
+    """The GUID that a file's .meta says, in its second line."""
+    return meta_of(path).read_text(encoding="utf-8").splitlines()[1].removeprefix("guid: ")
 
 
 def meta_of(path: Path) -> Path:
@@ -105,15 +101,11 @@ def write(path: Path, text: str) -> None:
 def write_metas() -> None:
     for path in assets():
         if not meta_of(path).exists():
-            write(meta_of(path), meta(twin(path), guid(path.relative_to(PACKAGE).as_posix())))
-
-
-def twin(path: Path) -> Path:
-    """Another asset of the same kind, which has a .meta."""
-    for other in assets():
-        if other.suffix == path.suffix and other.is_dir() == path.is_dir() and meta_of(other).exists():
-            return other
-    sys.exit(f"no other file is like {path.name}: let Unity write its .meta")
+            alike = [other for other in assets() if other.suffix == path.suffix and other.is_dir() == path.is_dir()]
+            like = next((other for other in alike if meta_of(other).exists()), None)
+            if not like:
+                sys.exit(f"no other file is like {path.name}: let Unity write its .meta")
+            write(meta_of(path), meta(like, guid(path.relative_to(PACKAGE).as_posix())))
 
 
 def main() -> None:

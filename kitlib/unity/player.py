@@ -1,13 +1,10 @@
 """Why a script of a reader's own does not compile in the player: what it names, and the player or its project lacks."""
 
-from __future__ import annotations
-
 import difflib
 import functools
 import hashlib
 import itertools
 import re
-import tomllib
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
@@ -15,13 +12,11 @@ from kitlib.lessons import BUILD, KIT, PACKAGE, ROOT, lessons
 from kitlib.setup.dotnet import SUPPORT, compiler_errors
 from kitlib.terminal import command
 from kitlib.unity.project import find_project
-from kitlib.unity.scripts import code, of_lesson, types, uses
+from kitlib.unity.scripts import NAMES, code, of_lesson, types, uses
 
 NAMESPACE = "NetMQExample"
 STAND_INS = SUPPORT / "unity-player" / "UnityEngine"
-NAMES = tomllib.loads(Path(__file__).with_name("names.toml").read_text(encoding="utf-8"))
-MOVED: dict[str, str] = NAMES["moved"]
-USINGS: dict[str, str] = NAMES["usings"]
+MOVED, USINGS = NAMES["moved"], NAMES["usings"]
 # Of these words, which others use as well: they count only beside one that nobody else has.
 EVERYBODYS = {"ToArray", "GetSingle", "Image", "GetName", "MaxStep"}
 CHANGED = "the player uses your copy of a kit's file only if you name it here, with each that uses its classes"
@@ -30,6 +25,7 @@ NOWHERE = r"error CS(?:0246|0103|0234): \D*?'(?=\w+' does not exist in the names
 NO_MEMBER = r"error CS(?:0117|1061): '(\w+)' does not contain a definition for '(\w+)'"
 # A variable that is a thread.
 THREAD = re.compile(r"\bThread\s+(\w+)|(\w+)\s*=\s*new (?:System\.Threading\.)?Thread\b")
+TYPE = r"^    public (?:\w+ )*(class|struct|enum) (\w+)(.*?)(?=^ {0,4}\w|\Z)"
 # In the source: `public float x, y;`, `public float Range(`, and no operator.
 MEMBER = r"(?:^ {8}|[{;] )public (?!delegate|class|.* operator )[^=({;]*?(\w+(?:, \w+)*)(?:<\w+>)?(?=\W*[=({;\n])"
 
@@ -40,9 +36,7 @@ def stand_ins() -> dict[str, list[str]]:
     found: dict[str, list[str]] = {}
     for path in sorted(STAND_INS.glob("*.cs")):
         text = re.sub(r"//.*", "", path.read_text(encoding="utf-8"))
-        for kind, name, body in re.findall(
-            r"^    public (?:\w+ )*(class|struct|enum) (\w+)(.*?)(?=^ {0,4}\w|\Z)", text, re.MULTILINE | re.DOTALL
-        ):
+        for kind, name, body in re.findall(TYPE, text, re.MULTILINE | re.DOTALL):
             if kind == "enum":
                 members = re.findall(r"(\w+)(?: = \d+)?(?=\s*[,}])", body)
             else:
@@ -95,11 +89,7 @@ def lacking_of_the_kit(errors: list[str], own: Sequence[Path], theirs: Sequence[
         return
     # Also those of which the compiler says nothing yet, because it has not come so far.
     text = "\n".join(map(code, own))
-    there = {
-        NAMESPACE,
-        *re.findall(r"\b(?:class|struct|enum) (\w+)", text),
-        *(name for path in theirs for name in types(path)),
-    }
+    there = set(re.findall(r"\b(?:class|struct|enum) (\w+)", text)).union([NAMESPACE], *map(types, theirs))
     lacks = sorted(name for name in kit - there if uses(text, name))
     words = [*KIT.split(), "unity", str(find_project(own[0]))]
     each = [command(*words, "--lesson", str(number)) for number in bringing(lacks)] or [command(*words)]
@@ -122,9 +112,8 @@ def beside(name: str, own: Sequence[Path]) -> Path | None:
 def moved(errors: list[str], own: Sequence[Path]) -> Iterator[str]:
     """Names of gymize, of ML-Agents and of NetMQ 3, and the page that has ours."""
     written = set(re.findall(r"\w+", "\n".join(map(code, own))))
-    words = {
-        word for line in errors for quoted in re.findall(r"'([^']*)'", line) for word in re.findall(r"\w+", quoted)
-    }
+    quoted = re.findall(r"'([^'\n]*)'", "\n".join(errors))
+    words = set(re.findall(r"\w+", " ".join(quoted)))
     for page, names in MOVED.items():
         theirs = set(names.split())
         found = ", ".join(name for name in names.split() if name in words)
@@ -145,15 +134,13 @@ def lacking_of_unity(errors: list[str], own: Sequence[Path]) -> Iterator[str]:
     there = {words: path for words in nowhere if (path := beside(words[1], own))}
     if there:
         yield f"name {', '.join(shown(path, own[0]) for path in there.values())}, too"
-    told = {name for names in MOVED.values() for name in names.split()} - (
-        EVERYBODYS - set(" ".join(moved(errors, own)).split())
-    )
+    everybodys = EVERYBODYS - set(" ".join(moved(errors, own)).split())
+    told = set(" ".join(MOVED.values()).split()) - everybodys
     lacks = [words for words in nowhere if words not in there and words[1] not in told | kit]
-    for library in (
-        name for space, name in lacks if not space and re.search(rf"^\s*using {name}\b", text, re.MULTILINE)
-    ):
-        yield f"nothing here has the namespace {library}: if it is yours, name its files, too; the player takes no DLL"
-        lacks.remove(("", library))
+    spaces = [name for space, name in lacks if not space and re.search(rf"^\s*using {name}\b", text, re.MULTILINE)]
+    for name in spaces:
+        yield f"nothing here has the namespace {name}: if it is yours, name its files, too; the player takes no DLL"
+    lacks = [words for words in lacks if words[1] not in spaces]
     for space, names in USINGS.items():
         if found := [name for _, name in lacks if name in names.split()]:
             yield f"{', '.join(found)}: write `using {space};`"
@@ -164,11 +151,10 @@ def lacking_of_unity(errors: list[str], own: Sequence[Path]) -> Iterator[str]:
         types = [name for space, name in lacks if not space]
         like = likely(types, [name for name in stand_ins() if not name.endswith("Attribute")])
         yield f"the player has no {names}{like}{'; if it is yours, name its file, too' if types else ''}"
-    members: dict[str, dict[str, None]] = {}
-    for kind, member in (pair for line in errors for pair in re.findall(NO_MEMBER, line)):
-        members.setdefault(kind, {})[member] = None
-    for kind in (kind for kind in members if kind in stand_ins()):
-        yield f"the player's {kind} has no {', '.join(members[kind])}{likely(members[kind], stand_ins()[kind])}"
+    unknown = dict.fromkeys(pair for line in errors for pair in re.findall(NO_MEMBER, line))
+    for kind in dict.fromkeys(kind for kind, _ in unknown if kind in stand_ins()):
+        members = [member for one, member in unknown if one == kind]
+        yield f"the player's {kind} has no {', '.join(members)}{likely(members, stand_ins()[kind])}"
 
 
 def shown(path: Path, script: Path) -> str:

@@ -1,21 +1,12 @@
 """A user's own Unity project: where it is, and what in it is in the way."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Iterator
 from pathlib import Path
 
 from kitlib.lessons import PACKAGE, KitError, read_json
-from kitlib.unity.inventory import (
-    TARGET,
-    dependencies,
-    imported,
-    package_folders,
-    package_name,
-    unity_version,
-)
+from kitlib.unity.inventory import TARGET, dependencies, imported, package_folders, package_name, unity_version
 
 # The Unity that all of the package is made for.
 OLDEST = (2022, 3)
@@ -69,19 +60,17 @@ def elsewhere(root: Path, name: str) -> list[Path]:
 
 def check_moved(root: Path, scripts: dict[str, bytes]) -> None:
     """A KitError if a script that was moved inside the project, its .meta with it, would be there twice."""
-    # Looked for once: a game has many files.
-    others = elsewhere(root, "*.cs.meta")
-    for name, meta in scripts.items():
-        if not name.endswith(".cs.meta"):
-            continue
-        ours = re.search(rb"^guid: \S+", meta, re.MULTILINE)
-        for other in (path for path in others if path.name == Path(name).name):
-            if ours and ours[0] in other.read_bytes():
-                moved, target = (str(path).removesuffix(".meta") for path in (other.relative_to(root).as_posix(), name))
-                raise KitError(
-                    f"{moved} is {target}, moved: nothing was copied, because two of them do not compile; "
-                    "move it back with its .meta, or delete it"
-                )
+    ours = {Path(name).name: name for name in scripts}
+    # Of a game's many files only those of the same name are read.
+    for other in (path for path in elsewhere(root, "*.cs.meta") if path.name in ours):
+        name = ours[other.name]
+        # The second line says the GUID.
+        if scripts[name].splitlines()[1] in other.read_bytes():
+            moved = other.relative_to(root).as_posix().removesuffix(".meta")
+            raise KitError(
+                f"{moved} is {name.removesuffix('.meta')}, moved: nothing was copied, because two of them do not "
+                "compile; move it back with its .meta, or delete it"
+            )
 
 
 def check_foreign(root: Path, files: dict[str, bytes]) -> None:

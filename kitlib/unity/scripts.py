@@ -1,19 +1,18 @@
 """The scripts that a lesson needs, by the classes that they name."""
 
-from __future__ import annotations
-
 import functools
 import re
-from collections.abc import Callable
+import tomllib
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from kitlib.lessons import PACKAGE, KitError, Lesson, find
 from kitlib.unity.inventory import TARGET
 from kitlib.unity.meta import assets, meta_of
-from kitlib.unity.modules import VERSION, needed
 
 # Unity's own package of Newtonsoft.Json, with which lessons 04 and 05 read JSON.
 JSON = ("com.unity.nuget.newtonsoft-json", "3.2.1")
+NAMES: dict[str, dict[str, str]] = tomllib.loads(Path(__file__).with_name("names.toml").read_text(encoding="utf-8"))
 
 
 def scripts(lesson: str | None) -> dict[str, bytes]:
@@ -90,4 +89,10 @@ def unitys_packages(files: dict[str, bytes]) -> dict[str, str]:
     """Unity's own packages that the scripts among these files need, with their versions."""
     texts = [data.decode("utf-8-sig", "replace") for name, data in files.items() if name.endswith(".cs")]
     json_package = dict([JSON]) if any("using Newtonsoft.Json" in text for text in texts) else {}
-    return {**json_package, **dict.fromkeys(sorted(needed(texts)), VERSION)}
+    return {**json_package, **modules(texts)}
+
+
+def modules(scripts: Iterable[str]) -> dict[str, str]:
+    """Unity's built-in packages that these C# files need; all have one version."""
+    words = {word for code in scripts for word in re.findall(r"\w+", re.sub(r"//.*", "", code))}
+    return {module: "1.0.0" for module, types in NAMES["modules"].items() if words & set(types.split())}

@@ -2,11 +2,7 @@
 
 import re
 import shutil
-import site
-import subprocess
-import sys
 import zipfile
-from pathlib import Path
 
 import pytest
 
@@ -14,7 +10,7 @@ from kitlib import imports
 from kitlib.lessons import lessons
 from kitlib.setup import python_setup
 from tests.conftest import PYTHON
-from tests.programs import LIMIT, ROOT, finished
+from tests.programs import ROOT, finished
 
 PACKAGE = ROOT / "python" / "netmq_example"
 # Extras that are too large for a cell of the workflow, and those for who changes the kit.
@@ -37,20 +33,6 @@ def wheel(tmp_path_factory):
     return path
 
 
-@pytest.fixture(scope="module")
-def elsewhere(wheel, tmp_path_factory):
-    """A fresh environment with the package; those that it needs are the tests' own."""
-    folder = tmp_path_factory.mktemp("elsewhere")
-    subprocess.run([sys.executable, "-m", "venv", "--without-pip", folder / "venv"], check=True, timeout=LIMIT)
-    python = folder / "venv" / ("Scripts/python.exe" if sys.platform == "win32" else "bin/python")
-    where = finished([python, "-c", "import sysconfig; print(sysconfig.get_path('purelib'))"]).stdout.strip()
-    (Path(where) / "of_the_tests.pth").write_text("\n".join(site.getsitepackages()), encoding="utf-8")
-    words = ["install", "--no-index", "--no-deps", wheel]
-    done = finished([PYTHON, "-m", "pip", "--python", python, *words])
-    assert done.returncode == 0, done.stderr
-    return python
-
-
 def test_the_wheel_holds_the_package_alone(wheel):
     files = {path.relative_to(ROOT / "python").as_posix() for path in PACKAGE.rglob("*.*") if path.suffix != ".pyc"}
     assert {"netmq_example/py.typed", "netmq_example/tap/tap.html", "netmq_example/envs/__init__.py"} < files
@@ -64,26 +46,6 @@ def test_the_wheel_holds_the_package_alone(wheel):
     # An older pip finds no extra whose name has an underscore.
     assert "_" not in "".join(re.findall(r"^Provides-Extra: (.+)$", metadata, re.MULTILINE))
     assert re.findall(r"^Requires-Dist: ([^;\n]+)$", metadata, re.MULTILINE) == python_setup.needs()
-
-
-def test_a_gymnasium_environment_needs_no_import_of_the_package(elsewhere, tmp_path):
-    """Gymnasium imports what stands before the colon; since its version 1.0 it goes by no entry point any more."""
-    if lacking := python_setup.not_found(PYTHON, ["numpy", "gymnasium"]):
-        pytest.skip(f"it makes an environment: pip install {' '.join(lacking)}")
-    program = tmp_path / "mine.py"
-    program.write_text(
-        "import sys, gymnasium\n"
-        "env = gymnasium.make('netmq_example.envs:NetMQExample/CartPole-v0', launch=sys.argv[1:])\n"
-        "env.reset(seed=1)\n"
-        "print('reward', env.step(1)[1], 'by', sys.modules['netmq_example'].__file__)\n"
-        "env.close()\n",
-        encoding="utf-8",
-    )
-    done = finished([elsewhere, program, PYTHON, ROOT / "python" / "09_environment" / "client.py"], cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    # The simulator prints its own lines, too.
-    file = re.search(r"^reward 1.0 by (.+)$", done.stdout, re.MULTILINE)[1]
-    assert Path(file).is_relative_to(elsewhere.parents[1])
 
 
 def test_an_extra_is_what_the_modules_of_its_name_import():
@@ -139,25 +101,26 @@ def test_every_package_that_is_imported_is_in_pyproject_toml():
     assert imports.packages(sorted((ROOT / "python").rglob("*.py"))) - known == {"engineio", "cv2"}
 
 
-@pytest.mark.parametrize(
-    ("number", "needs"),
-    [
-        (1, []),
+def test_what_a_lesson_needs_is_read_from_its_imports():
+    wanted = {
+        1: [],
         # Array.numpy imports it only when it is called, as the server does.
-        (5, ["numpy"]),
-        (10, ["numpy", "gymnasium", "pettingzoo"]),
+        5: ["numpy"],
+        10: ["numpy", "gymnasium", "pettingzoo"],
         # messages.py is there too, and nothing calls Array.numpy.
-        (14, []),
-        (16, ["aiohttp", "python-socketio"]),
+        14: [],
+        16: ["aiohttp", "python-socketio"],
         # One of its programs is for Ray, which `kit.py run` does not start.
-        (17, ["numpy", "gymnasium"]),
+        17: ["numpy", "gymnasium"],
         # Finding persons before a webcam is one of its server's two sources.
-        (20, []),
-    ],
-)
-def test_what_a_lesson_needs_is_read_from_its_imports(number, needs):
-    (lesson,) = [each for each in lessons() if each.number == number]
-    assert [python_setup.name(need) for need in python_setup.needs(lesson.key)] == ["pyzmq", *needs]
+        20: [],
+    }
+    found = {lesson.number: python_setup.needs(lesson.key) for lesson in lessons()}
+    assert {number: [*map(python_setup.name, found[number])] for number in wanted} == {
+        number: ["pyzmq", *needs] for number, needs in wanted.items()
+    }
+    parts = {lesson.number: python_setup.large_extras(lesson) for lesson in lessons()}
+    assert {number: [*some] for number, some in parts.items() if some} == {17: ["ray"], 20: ["body"]}
 
 
 def test_each_lowest_version_that_is_declared_is_one_that_is_run():
@@ -170,11 +133,3 @@ def test_each_lowest_version_that_is_declared_is_one_that_is_run():
         assert f"{lowest.get(package)}.0".startswith(f"{version}.0"), need
     workflow = (ROOT / ".github" / "workflows" / "test.yml").read_text(encoding="utf-8")
     assert "packages: tests/lowest.txt" in workflow
-
-
-def test_what_only_a_part_of_a_lesson_needs_is_known():
-    found = {lesson.number: parts for lesson in lessons() if (parts := python_setup.large_extras(lesson))}
-    names = {
-        number: {part: [*map(python_setup.name, needs)] for part, needs in found[number].items()} for number in found
-    }
-    assert names == {17: {"ray": ["ray"]}, 20: {"body": ["mediapipe"]}}

@@ -6,18 +6,15 @@ read in Unity's published source. The files are those that kit.py unity copies, 
 
 import functools
 import json
-import math
 import re
 from collections import Counter
 from pathlib import Path
 
-import pytest
-
 from kitlib.docs import guide
 from kitlib.lessons import PACKAGE
-from kitlib.unity import modules, scripts
+from kitlib.unity import scripts
 from kitlib.unity.inventory import LIBRARIES, NETMQ
-from kitlib.unity.meta import assets, behaviours, guid, meta_of, own_guid, scene
+from kitlib.unity.meta import assets, behaviours, guid, is_component, meta_of, own_guid, scene
 from tests.programs import ROOT
 from tests.unity.conftest import PREFAB
 
@@ -106,33 +103,11 @@ def test_each_lesson_has_a_scene_with_its_scripts_in_which_something_is_seen():
     assert faults == []
 
 
-@pytest.mark.parametrize(("key", "begin", "end"), [("10_many_agents", -4, 4), ("11_observations", 0, 10)])
-def test_a_field_is_seen_from_above_and_below_the_text(key, begin, end):
-    """From its own height one thing on it would cover the other."""
-    text = (PACKAGE / key / f"{key}.unity").read_text(encoding="utf-8")
-    (camera,) = [body for _, name, body in documents(text) if name == "101"]
-    turn, place = (
-        [float(number) for number in re.findall(r"[xyzw]: (-?[\d.]+)", re.search(f"m_Local{what}: (.*)", camera)[1])]
-        for what in ("Rotation", "Position")
-    )
-    assert turn[1:3] == [0, 0], "it looks straight ahead, and down"
-    down = 2 * math.atan2(turn[0], turn[3])
-    assert math.degrees(down) >= 30
-    for x in (begin, end):
-        for z in (begin, end):
-            right, up, ahead = x - place[0], -place[1], z - place[2]
-            depth = ahead * math.cos(down) - up * math.sin(down)
-            high = up * math.cos(down) + ahead * math.sin(down)
-            # 60 degrees from top to bottom, in a window of 4 to 3; the text stands 3 m high in 10 m.
-            assert -math.tan(math.radians(30)) < high / depth < 0.25
-            assert abs(right) / depth < math.tan(math.radians(30)) * 4 / 3
-
-
-# What Unity has built in, by the GUID of its library: the font and its ink. Its grey material is magenta in URP.
+# Unity has these built in, by the GUID of their library: the font and its ink. Its grey material is magenta in URP.
 BUILT_IN = {"0" * 16 + "e" + "0" * 15: {"10102", "10100"}}
 # A script's only object.
 SCRIPT = "11500000"
-# What Unity itself writes into a MonoBehaviour, beside the fields of its class.
+# Unity itself writes these into a MonoBehaviour, beside the fields of its class.
 UNITYS_FIELDS = {"m_ObjectHideFlags", "m_GameObject", "m_Enabled", "m_EditorHideFlags", "m_Script", "m_Name"}
 UNITYS_FIELDS |= {"m_EditorClassIdentifier"}
 
@@ -153,7 +128,7 @@ def serialized(name):
 
 
 def reference_faults(text):
-    """What Unity would not find of all that a file refers to."""
+    """A line for each reference of a file that leads nowhere in Unity."""
     objects = documents(text)
     names = [name for _, name, _ in objects]
     known = {own_guid(path): path for path in PACKAGE.rglob("*.cs")}
@@ -171,79 +146,14 @@ def reference_faults(text):
                 yield f"{known[used[1]].stem} has no field {field}"
 
 
-# Unity goes by the number, and takes the name as said.
-KINDS = {1: "GameObject", 4: "Transform", 20: "Camera", 23: "MeshRenderer", 33: "MeshFilter", 102: "TextMesh"}
-KINDS |= {108: "Light", 114: "MonoBehaviour", 1660057539: "SceneRoots"}
-
-
-def scene_faults(text):
-    """Of a scene, or of a prefab."""
-    parts = re.split(r"^--- !u!(\d+) &(\d+)\n", text, flags=re.M)[1:]
-    kinds = {number: int(kind) for kind, number in zip(parts[::3], parts[1::3], strict=True)}
-    bodies = dict(zip(parts[1::3], parts[2::3], strict=True))
-    scripts_of = {own_guid(path): path for path in PACKAGE.rglob("*.cs")}
-
-    def pairs(kind, key):
-        """Each object of this kind, or of any, with each fileID that it has under this key."""
-        listed = {number: re.search(rf"^  {key}:(.*(?:\n  - .*)*)", bodies[number], re.M) for number in kinds}
-        return {
-            (number, one)
-            for number, found in listed.items()
-            if found and kind in (0, kinds[number])
-            for one in re.findall(r"fileID: (\d+)", found[1])
-        }
-
-    for number, body in bodies.items():
-        if not body.startswith(f"{KINDS.get(kinds[number])}:"):
-            yield f"{number} is no {KINDS.get(kinds[number])}"
-    owned, fathers = pairs(1, "m_Component"), pairs(4, "m_Father")
-    roots = {number for number, father in fathers if father == "0"}
-    for one in owned ^ {(owner, part) for part, owner in pairs(0, "m_GameObject")}:
-        yield f"{one} is not said on both sides"
-    for one in pairs(4, "m_Children") ^ {(father, child) for child, father in fathers if child not in roots}:
-        yield f"{one} is not said on both sides"
-    if {one for _, one in pairs(1660057539, "m_Roots")} != roots if "SceneRoots:" in text else len(roots) != 1:
-        yield f"the roots are {sorted(roots)}"
-    for owner in (number for number, kind in kinds.items() if kind == 1):
-        own = [part for number, part in owned if number == owner and part in kinds]
-        if [kinds[part] for part in own].count(4) != 1:
-            yield f"{owner} has not one Transform"
-        guids = re.findall(r"m_Script: .*guid: (\w+)", "".join(bodies[part] for part in own))
-        used = [scripts_of[one] for one in guids if one in scripts_of]
-        for path in used:
-            for wanted in re.findall(r"RequireComponent\(typeof\((\w+)\)", path.read_text(encoding="utf-8")):
-                if wanted not in {other.stem for other in used} | {KINDS.get(kinds[part]) for part in own}:
-                    yield f"{owner} has no {wanted} for {path.stem}"
-
-
-def test_a_scene_is_one_tree_of_objects_that_exist():
+def test_a_scene_refers_to_objects_and_fields_that_exist():
     faults = []
     for path in [*SCENES, PREFAB, *UNITY.glob("ProjectSettings/*.asset")]:
         text = path.read_text(encoding="utf-8")
         if not text.startswith("%YAML 1.1\n%TAG !u! tag:unity3d.com,2011:\n--- !u!"):
             faults.append(f"{relative(path)} begins otherwise")
-        tree = scene_faults(text) if path.suffix != ".asset" else []
-        faults += [f"{relative(path)}: {one}" for one in (*reference_faults(text), *tree)]
+        faults += [f"{relative(path)}: {one}" for one in reference_faults(text)]
     assert faults == []
-
-
-def test_yaml_parses_with_unitys_tags():
-    yaml = pytest.importorskip("yaml", reason="reads a scene: pip install pyyaml")
-
-    class Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[name-defined,misc]
-        pass
-
-    def construct(loader, _suffix, node):
-        return loader.construct_mapping(node, deep=True)
-
-    Loader.add_multi_constructor("tag:unity3d.com,2011:", construct)
-    for path in [*SCENES, *UNITY.glob("ProjectSettings/*.asset"), *PACKAGE.rglob("*.meta")]:
-        text = path.read_text(encoding="utf-8")
-        # Unity declares the tag once for all documents of a file; YAML wants it before each, so it is written out here.
-        text = re.sub(r"^%.*\n", "", text, flags=re.MULTILINE)
-        text = re.sub(r"^--- !u!(\d+) ", r"--- !<tag:unity3d.com,2011:\1> ", text, flags=re.MULTILINE)
-        found = list(yaml.load_all(text, Loader))
-        assert found and all(isinstance(one, dict) for one in found), relative(path)
 
 
 def assembly(name, files):
@@ -253,8 +163,6 @@ def assembly(name, files):
 
 
 PLATFORMS = {"Editor", "WebGL", "any other"}
-# Unity's constraints and versions can say more, which the package does not need.
-SYMBOL = re.compile("[A-Z_]+")
 
 
 def outside_the_editor(files):
@@ -267,45 +175,23 @@ def runs_on(definition):
     return set(definition["includePlatforms"] or PLATFORMS) - set(definition["excludePlatforms"])
 
 
-def reachable(name, by_name):
-    seen = set()
-    left = [name]
-    while left:
-        new = by_name.keys() & set(by_name[left.pop()]["references"]) - seen
-        seen |= new
-        left += new
-    return seen
-
-
 def assembly_faults(files):
     found = {name: json.loads(text) for name, text in files.items() if name.endswith(".asmdef")}
     by_name = {definition["name"]: definition for definition in found.values()}
     owners = {assembly(name, files) for name in files if name.endswith(".cs")}
-    folders = Counter(name.rpartition("/")[0] for name in found)
-    yield from (f"{folder} has {count} assembly definitions" for folder, count in folders.items() if count > 1)
     for path, definition in found.items():
-        name, references, constraints = (definition[key] for key in ("name", "references", "defineConstraints"))
+        name, references = definition["name"], definition["references"]
         # Unity refuses one that is named like an assembly of .NET's or its own, and then compiles nothing.
         if not name.startswith("NetMQExample"):
             yield f"{name}: Unity may have reserved this name"
         if path not in owners:
             yield f"{name} has no scripts, of which Unity warns"
-        if len(references) > len(set(references)):
-            yield f"{name} has a reference twice"
-        if name in reachable(name, by_name):
-            yield f"{name} refers to itself in the end"
-        yield from (f"{name}: {one} is no constraint" for one in constraints if not SYMBOL.fullmatch(one))
-        for one in {*definition["includePlatforms"], *definition["excludePlatforms"]} - PLATFORMS:
-            yield f"{name}: {one} is a platform that the package does not know"
         for other in by_name.keys() & set(references):
             if missing := runs_on(definition) - runs_on(by_name[other]):
                 yield f"{name}: there is no {other} in {sorted(missing)}"
-        for one in definition["versionDefines"]:
-            if one["expression"] or not SYMBOL.fullmatch(one["define"]):
-                yield f"{name}: {one['expression']} is not every version, or {one['define']} no symbol"
         # UNITY_INCLUDE_TESTS is defined in every editor, with the package of the Test Framework and without it.
         framework = [one["define"] for one in definition["versionDefines"] if one["name"] == "com.unity.test-framework"]
-        if "UnityEngine.TestRunner" in references and not set(framework) & set(constraints):
+        if "UnityEngine.TestRunner" in references and not set(framework) & set(definition["defineConstraints"]):
             yield f"{name} does not compile where Unity's Test Framework is missing"
 
 
@@ -320,14 +206,6 @@ PLAIN = (
     "Rect|Bounds|LayerMask|AnimationCurve|Gradient|UnityEvent(<.*>)?"
 )
 ALONE = "Awake|Start|(Fixed|Late)?Update|On(Enable|Disable|Destroy|GUI|Validate|ApplicationQuit)|Reset"
-# What Unity calls by an attribute is static, and has one of these lists of parameters.
-CALLED = {
-    "MenuItem": ("", "MenuCommand"),
-    "InitializeOnLoadMethod": ("",),
-    "RuntimeInitializeOnLoadMethod": ("",),
-    "PostProcessBuild": ("BuildTarget string",),
-}
-ATTRIBUTE = re.compile(rf"\[({'|'.join(CALLED)})\b[^\n]*\n\s+((?:\w+ )*)(\w+)\(([^)]*)\)")
 # Of each type of Unity that a script may use: its kind, its name, its base class, and where Unity declares it.
 FACTS = re.findall(
     r"^(\w+) (?:\w+\.)*(\w+)(?:`\d)?(?: : (\w+))?    (.+)$",
@@ -358,10 +236,6 @@ def script_faults(files):
         without = re.sub(r"^#if UNITY_EDITOR$.*?^#(else|endif)$", "", text, flags=re.M | re.S)
         if "UnityEditor" in without and name in outside_the_editor(files):
             yield f"{name}: a player has no UnityEditor"
-        for attribute, words, method, parameters in ATTRIBUTE.findall(text):
-            types = " ".join(one.split()[0] for one in parameters.split(",") if one)
-            if "static" not in words.split() or types not in CALLED[attribute]:
-                yield f"{name}: {method} is no method for {attribute}"
     for name, (file, words, _, generic, _, body) in classes.items():
         chain = line(name)
         if chain[-1] not in ROOTS:
@@ -387,18 +261,6 @@ def script_faults(files):
                 yield f"{name}: {method} is a message of Unity's with other parameters"
             if told and method in hidden:
                 yield f"{name}: then Unity does not call {method} of its base class"
-
-
-def manifest_faults(manifest):
-    """Of a project's manifest.json, or a package's package.json."""
-    for name, version in manifest["dependencies"].items():
-        if not re.fullmatch(r"[a-z][a-z.-]+", name) or not re.fullmatch(r"\d+\.\d+\.\d+(-\d+)?", version):
-            yield f"{name} {version} is no package"
-        if name.startswith("com.unity.modules.") and not re.fullmatch(rf"[a-z.]+\.({MODULES})", name):
-            yield f"{name} is not in every Unity"
-    for one in manifest.get("scopedRegistries", []):
-        if not (one.get("name") and one.get("scopes") and one.get("url", "").startswith("https://")):
-            yield "a registry wants a name, an address and scopes"
 
 
 USED = re.compile(r"^using (NetMQ|AsyncIO|NaCl|Newtonsoft\.Json)\b", re.MULTILINE)
@@ -431,12 +293,12 @@ def test_unity_takes_the_scripts():
     assert list(script_faults(copied())) == []
 
 
-def test_the_package_manager_takes_the_manifests_which_name_the_modules_that_scripts_need():
+def test_the_manifests_name_the_modules_that_scripts_need():
     # An assembly for the editor alone gets all of Unity's modules, whatever the project has.
-    needed = modules.needed(outside_the_editor(copied()).values())
+    needed = scripts.modules(outside_the_editor(copied()).values()).keys()
     for path in MANIFESTS:
         manifest = json.loads(path.read_text(encoding="utf-8"))
-        assert list(manifest_faults(manifest)) == [] and needed <= manifest["dependencies"].keys(), path.name
+        assert needed <= manifest["dependencies"].keys(), path.name
 
 
 def test_the_modules_are_those_of_unitys_sources():
@@ -447,10 +309,9 @@ def test_the_modules_are_those_of_unitys_sources():
             declared.setdefault(f"com.unity.modules.{module}", set()).add(name)
     declared["com.unity.modules.imageconversion"].add("EncodeToJPG")
     declared["com.unity.modules.physics"].add("CreatePrimitive")
-    assert declared == modules.TYPES
-    assert modules.needed(["// GUI\nvar colliders = GetComponent<Collider>();", "class GUIs { }"]) == {
-        "com.unity.modules.physics"
-    }
+    assert declared == {module: set(types.split()) for module, types in scripts.NAMES["modules"].items()}
+    code = ["// GUI\nvar colliders = GetComponent<Collider>();", "class GUIs { }"]
+    assert scripts.modules(code) == {"com.unity.modules.physics": "1.0.0"}
 
 
 def test_the_lessons_are_left_out_of_webgl_which_has_its_own_error():
@@ -472,10 +333,10 @@ def test_the_package_is_valid():
     assert package["displayName"] and package["description"] and package["license"]
     project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     assert f'version = "{package["version"]}"' in project, "one version for the whole kit"
-    # What the package needs of Unity, the project has.
+    # The project has all that the package needs of Unity.
     manifest = json.loads((UNITY / "Packages" / "manifest.json").read_text(encoding="utf-8"))
     assert package["dependencies"].items() <= manifest["dependencies"].items()
-    # Who adds the package by its address gets these, and nothing else of the repository.
+    # By the package's address one gets these, and nothing else of the repository.
     assert (PACKAGE / "LICENSE.md").read_bytes() == (ROOT / "LICENSE").read_bytes()
     assert f"[{package['version']}]" in (PACKAGE / "CHANGELOG.md").read_text(encoding="utf-8")
     assert "NetMQ" in (PACKAGE / "README.md").read_text(encoding="utf-8")
@@ -492,17 +353,10 @@ def test_the_manifest_gets_netmq_from_a_scoped_registry():
     assert manifest["dependencies"][scripts.JSON[0]] == scripts.JSON[1]
     # UnityNuGet writes the fourth number of a version behind a hyphen.
     assert manifest["dependencies"]["org.nuget.netmq"].replace("-", ".") == NETMQ
-
-
-def test_unity_is_a_version_that_can_have_netmq():
-    text = (UNITY / "ProjectSettings" / "ProjectVersion.txt").read_text(encoding="utf-8")
-    found = re.match(
-        r"m_EditorVersion: 6000\.0\.(\d+)f\d+\nm_EditorVersionWithRevision: 6000\.0\.\1f\d+ \([0-9a-f]{12}\)\n", text
-    )
-    # Earlier ones have CVE-2025-59489.
-    assert found and int(found[1]) >= 58
-    settings = (UNITY / "ProjectSettings" / "ProjectSettings.asset").read_text(encoding="utf-8")
-    assert "\n  m_ActiveColorSpace: 1\n" in settings, "left out, it is gamma"
+    page = ROOT / "docs" / "guide" / "unity_project.md"
+    (shown,) = [json.loads(block.body) for block in guide.blocks(page) if block.language == "json"]
+    assert shown["scopedRegistries"] == manifest["scopedRegistries"]
+    assert shown["dependencies"].items() <= manifest["dependencies"].items()
 
 
 def test_a_field_says_what_it_is_for_and_how_small_it_may_be():
@@ -516,14 +370,6 @@ def test_a_field_says_what_it_is_for_and_how_small_it_may_be():
     assert [field for field in numbers if not re.search(r"(Min|Range)\(", field[3])] == []
 
 
-def test_the_page_shows_what_the_kits_own_manifest_has():
-    page = ROOT / "docs" / "guide" / "unity_project.md"
-    (shown,) = [json.loads(block.body) for block in guide.blocks(page) if block.language == "json"]
-    manifest = json.loads((ROOT / "unity" / "Packages" / "manifest.json").read_text(encoding="utf-8"))
-    assert shown["scopedRegistries"] == manifest["scopedRegistries"]
-    assert shown["dependencies"].items() <= manifest["dependencies"].items()
-
-
 def test_the_linker_is_not_told_to_keep_all_of_netmq():
     """Kept whole it would drag in what only its BufferPool names, at every stripping level."""
     text = (PACKAGE / "link.xml").read_text(encoding="utf-8")
@@ -532,57 +378,30 @@ def test_the_linker_is_not_told_to_keep_all_of_netmq():
 
 def test_each_component_has_its_place_in_the_menu():
     """Add Component, NetMQ Example, by lesson; without it all lie in one row below Scripts."""
-    found = {}
-    for path in PACKAGE.rglob("[0-9S]*/*.cs"):
-        text = path.read_text(encoding="utf-8")
-        for kind, name, base in re.findall(r"^    public (\w* ?)class (\w+)(?:<\w+>)? : (\w+)", text, re.MULTILINE):
-            found[name] = (base, path, kind)
-    bases = {name: base for name, (base, _, _) in found.items()}
-
-    def is_component(name):
-        return name == "MonoBehaviour" or (name in bases and is_component(bases[name]))
-
-    components = {name: path for name, (_, path, kind) in found.items() if kind != "abstract " and is_component(name)}
+    components = [path for path in PACKAGE.rglob("[0-9S]*/*.cs") if is_component(path.stem)]
     assert len(components) > 30
     # A link to nowhere would be worse than Unity's own page on scripts: with the package's address they all get one.
     public = "documentationUrl" in json.loads((PACKAGE / "package.json").read_text(encoding="utf-8"))
-    for name, path in components.items():
+    for path in components:
         text = path.read_text(encoding="utf-8")
         number = f"{path.parent.name[:2]} " if path.parent.name[:2].isdigit() else ""
-        words = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
+        words = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", path.stem)
         assert f'    [AddComponentMenu("NetMQ Example/{number}{words}")]\n' in text, relative(path)
         assert ("[HelpURL(" in text) == public, relative(path)
 
 
-# What a primitive is made of, which fails if IL2CPP's linker has taken one away: GameObject.CreatePrimitive's page in
-# Unity's reference. Of a cylinder the collider is a capsule.
-COLLIDERS = {
-    "Cube": "Box",
-    "Sphere": "Sphere",
-    "Capsule": "Capsule",
-    "Cylinder": "Capsule",
-    "Plane": "Mesh",
-    "Quad": "Mesh",
-}
+# Of a shape that has another one's.
+COLLIDERS = {"Cube": "Box", "Cylinder": "Capsule", "Plane": "Mesh", "Quad": "Mesh"}
 
 
 def test_the_linker_keeps_what_primitives_are_made_of():
-    # A script may name the kind in one place and create it in another.
-    named = {
+    """CreatePrimitive fails if IL2CPP's linker has taken one of these away."""
+    text = (PACKAGE / "link.xml").read_text("utf-8")
+    kept = set(re.findall(r'<type fullname="UnityEngine\.(\w+)" preserve="all" />', text))
+    used = {
         kind for path in PACKAGE.rglob("*.cs") for kind in re.findall(r"PrimitiveType\.(\w+)", path.read_text("utf-8"))
     }
-    assert {"Cube", "Sphere"} <= named
-    kept = {
-        (assembly, name)
-        for assembly, types in re.findall(
-            r'<assembly fullname="UnityEngine\.(\w+)".*?>(.*?)</assembly>',
-            (PACKAGE / "link.xml").read_text("utf-8"),
-            re.DOTALL,
-        )
-        for name in re.findall(r'<type fullname="UnityEngine\.(\w+)" preserve="all" />', types)
-    }
-    colliders = {("PhysicsModule", f"{COLLIDERS[kind]}Collider") for kind in named}
-    assert kept == {("CoreModule", "MeshFilter"), ("CoreModule", "MeshRenderer"), *colliders}
+    assert kept == {"MeshFilter", "MeshRenderer", *(f"{COLLIDERS.get(kind, kind)}Collider" for kind in used)}
 
 
 def test_no_script_but_one_asks_for_keys():
