@@ -65,7 +65,7 @@ namespace NetMQExample.PlayTest
                 if (numbered) other.AddComponent<NumberedSky>().Sender = sender;
             });
             var cost = new FrameCost(Math.Max(frames, 1));
-            // A frame in which a line is logged does not count, as in Costs.cs: the line itself is memory.
+            // A frame in which a line is logged does not count: the line itself is memory.
             var logged = false;
             Application.logMessageReceived += (line, stack, type) => logged = true;
             var clock = Stopwatch.StartNew();

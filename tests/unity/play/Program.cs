@@ -7,12 +7,10 @@
 //     … play.dll first Waiting                           a Play of one script of FirstScripts.cs
 //     … play.dll flood 1 tcp://127.0.0.1:5551 150        a Play in which each line of the log costs 0.3 ms
 //     … play.dll wrong 4 tries 0 …                       Plays of ten frames, each with a field that is wrong
-//     … play.dll views front front                       a Play of lesson 12 with cameras of these names
 //     … play.dll drive fail=20 count=50 …                lesson 08 with what may happen to it; see Drives.cs
 //     … play.dll rays                                   what rays meet; see Rays.cs
 //     … play.dll cameras                                what a camera sees, and what it leaves; see Cameras.cs
 //     … play.dll body count=60 …                         application 20; see Bodies.cs
-//     … play.dll cost 14 300 count=100 …                 what 300 frames of a lesson cost; see Costs.cs
 //     … play.dll areas 16 play --endpoint …              lesson 10's areas in a scene; see ManyAreas.cs
 //     … play.dll quiet world --endpoint …                what frames cost in which Python steps; see Quiet.cs
 //     … play.dll keys                                    what ArrowKeys makes of the package Input System; see Keys.cs
@@ -52,7 +50,6 @@ namespace NetMQExample.PlayTest
                 case "habits": return Habits.Print();
                 case "first": return FirstScripts.Play(words[1]);
                 case "keys": return Keys.Print();
-                case "cost": return Costs.Run(words[1], words[2], words.Skip(3).ToArray());
                 case "areas": return ManyAreas.Run(int.Parse(words[1], CultureInfo.InvariantCulture), words[2]);
                 case "quiet": return Quiet.Run(words[1]);
                 case "cameras": return Cameras.Run();
@@ -61,7 +58,6 @@ namespace NetMQExample.PlayTest
                 case "body": return Bodies.Run(words.Skip(1).ToArray());
                 case "forgotten": return Forget();
                 case "flood": return Flood(words[1], words[2], int.Parse(words[3], CultureInfo.InvariantCulture));
-                case "views": return Views(words.Skip(1).ToArray());
                 case "wrong": return Wrong(words);
                 case "play": return Play(words[1], words[2], int.Parse(words[3], CultureInfo.InvariantCulture));
             }
@@ -190,20 +186,6 @@ namespace NetMQExample.PlayTest
                 UntilDone(player);
             }
             return 0;
-        }
-
-        private static int Views(string[] names)
-        {
-            var player = new Player(typeof(NetMQLifetime).Assembly);
-            player.Begin(() =>
-            {
-                var thing = new GameObject("views");
-                thing.SetActive(false);
-                var recorder = thing.AddComponent<ViewRecorder>();
-                recorder.Cameras.AddRange(names.Select(name => new GameObject(name).AddComponent<Camera>()));
-                thing.SetActive(true);
-            });
-            return UntilDone(player);
         }
 
         private static int UntilDone(Player player)
