@@ -105,8 +105,8 @@ namespace NetMQExample.Terminal
             // Components wake up when their object is switched on: the fields are set by then, as in a scene file.
             thing.SetActive(false);
             foreach (var type in added) thing.AddComponent(type);
-            // One may have brought another along, by RequireComponent, whose fields count as well.
-            foreach (var type in types.Where(type => thing.GetComponent(type) == null)) thing.AddComponent(type);
+            Scripts.AddTo(thing, types);
+            // The fields of one that another has brought along count as well.
             var scripts = thing.GetComponents<MonoBehaviour>();
             foreach (var script in scripts) Inspector.FillIn(script);
             // What is said of one class comes after, and so counts more than, what is said of all.

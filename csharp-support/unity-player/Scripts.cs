@@ -1,5 +1,6 @@
 // Which MonoBehaviours a scene holds: those of a lesson's folder, or all of a reader's own scripts.
 using System;
+using System.Collections.Generic;
 using System.Linq;
 using System.Reflection;
 using UnityEngine;
@@ -45,5 +46,9 @@ namespace UnityPlayer
             var known = string.Join(" ", found.Select(group => group.Key).OrderBy(key => key, StringComparer.Ordinal));
             throw new ArgumentException($"which lesson? Give its number first, one of: {known}");
         }
+
+        /// <summary>Gives an object one of each. One may have brought another along, by RequireComponent.</summary>
+        public static MonoBehaviour[] AddTo(GameObject thing, IEnumerable<Type> types) =>
+            types.Select(type => (MonoBehaviour)(thing.GetComponent(type) ?? thing.AddComponent(type))).ToArray();
     }
 }

@@ -6,6 +6,7 @@ using System.Linq;
 using System.Threading;
 using UnityEngine;
 using UnityPlayer;
+using static NetMQExample.Tests.BackgroundClientChecks;
 
 namespace NetMQExample.Tests
 {
@@ -81,11 +82,6 @@ namespace NetMQExample.Tests
                 // A frame in which a line is logged does not count: the line itself is memory.
                 if (Logged.Count == before) cost?.End();
             }
-        }
-
-        private static void Check(bool right, string what)
-        {
-            if (!right) throw new InvalidOperationException(what);
         }
     }
 }

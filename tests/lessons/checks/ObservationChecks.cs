@@ -17,10 +17,7 @@ namespace NetMQExample.Tests
     {
         public static void Run(string[] words)
         {
-            // A machine where 0.5 is written 0,5 must read and write the same bytes.
-            var german = (CultureInfo)CultureInfo.InvariantCulture.Clone();
-            (german.NumberFormat.NumberDecimalSeparator, german.NumberFormat.NumberGroupSeparator) = (",", ".");
-            CultureInfo.CurrentCulture = german;
+            Program.WriteNumbersInGerman();
             if (words[0] == "trees")
                 for (var line = Console.ReadLine(); line != null; line = Console.ReadLine()) Console.WriteLine(Again(line));
             else if (words[0] == "pairs")

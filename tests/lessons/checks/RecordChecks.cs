@@ -54,10 +54,7 @@ namespace NetMQExample.Tests
 
         public static void Run(string[] words)
         {
-            // A machine where 0.5 is written 0,5 must read and write the same bytes.
-            var german = (CultureInfo)CultureInfo.InvariantCulture.Clone();
-            (german.NumberFormat.NumberDecimalSeparator, german.NumberFormat.NumberGroupSeparator) = (",", ".");
-            CultureInfo.CurrentCulture = german;
+            Program.WriteNumbersInGerman();
             if (words[0] == "rows")
                 for (var line = Console.ReadLine(); line != null; line = Console.ReadLine()) Console.WriteLine(Answer(line.Split(' ')));
             else if (words[0] == "spaces") Describe();

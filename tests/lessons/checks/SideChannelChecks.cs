@@ -22,10 +22,7 @@ namespace NetMQExample.Tests
     {
         public static void Run(string[] words)
         {
-            // A machine where 0.5 is written 0,5 must read, write and print the same.
-            var german = (CultureInfo)CultureInfo.InvariantCulture.Clone();
-            (german.NumberFormat.NumberDecimalSeparator, german.NumberFormat.NumberGroupSeparator) = (",", ".");
-            CultureInfo.CurrentCulture = german;
+            Program.WriteNumbersInGerman();
             if (words.Length > 0 && words[0] == "steps") Steps(words[2]);
             else if (words.Length == 2 && words[0] == "settings") Settings(Hex.Bytes(words[1]));
             else if (words.Length == 3) Pictures(words[1], int.Parse(words[2]));

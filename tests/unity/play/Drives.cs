@@ -49,7 +49,7 @@ namespace NetMQExample.PlayTest
             {
                 var thing = new GameObject("car");
                 thing.SetActive(false);
-                var scripts = Scripts.Of(lessons, "8").Select(type => (MonoBehaviour)(thing.GetComponent(type) ?? thing.AddComponent(type))).ToArray();
+                var scripts = Scripts.AddTo(thing, Scripts.Of(lessons, "8"));
                 foreach (var setting in told) Inspector.Set(scripts, setting.Key, setting.Value);
                 thing.SetActive(true);
                 (sender, car) = (thing.GetComponent<CameraSender>(), thing.GetComponent<DrivenCar>());

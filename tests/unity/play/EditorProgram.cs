@@ -134,7 +134,7 @@ namespace NetMQExample.EditorTest
             {
                 var thing = new GameObject("client");
                 thing.SetActive(false);
-                var scripts = types.Select(type => (MonoBehaviour)(thing.GetComponent(type) ?? thing.AddComponent(type))).ToArray();
+                var scripts = Scripts.AddTo(thing, types);
                 Inspector.Set(scripts, "endpoint", words[1]);
                 Inspector.Set(scripts, "count", words[2]);
                 if (words.Length > 3) Inspector.Set(scripts, "timeout", words[3]);

@@ -204,7 +204,7 @@ namespace NetMQExample.PlayTest
         {
             var thing = new GameObject(name);
             thing.SetActive(false);
-            foreach (var script in types.Select(type => (MonoBehaviour)(thing.GetComponent(type) ?? thing.AddComponent(type))))
+            foreach (var script in Scripts.AddTo(thing, types))
             {
                 var asksAgain = Inspector.Fields(script.GetType()).Any(field => field.Name == "tries");
                 foreach (var field in Inspector.Fields(script.GetType()))
