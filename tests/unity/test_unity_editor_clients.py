@@ -151,34 +151,31 @@ def test_one_asset_says_where_the_servers_are(editor, project, serve):
 
 
 @pytest.mark.parametrize(
-    "words",
+    ("words", "said"),
     [
-        "--endpoint tcp://127.0.0.1:8 -x --endpoint=tcp://127.0.0.1:9",
-        "--HelloClient.endpoint tcp://127.0.0.1:9 --endpoint tcp://127.0.0.1:8",
+        # The last one, as in Python; or that of one class.
+        ("--endpoint tcp://127.0.0.1:8 -x --endpoint=tcp://127.0.0.1:9", "^asking tcp://127.0.0.1:9$"),
+        ("--HelloClient.endpoint tcp://127.0.0.1:9 --endpoint tcp://127.0.0.1:8", "^asking tcp://127.0.0.1:9$"),
+        ("--endpoint", "^Error: bad endpoint '': write it like "),
     ],
-    ids=["the last one, as in Python", "of one class"],
 )
-def test_a_build_takes_the_endpoint_from_its_command_line(words, editor, project):
+def test_a_build_takes_the_endpoint_from_its_command_line(words, said, editor, project):
     unity = editor(project, words=words.split())
     unity.do("play 1 tcp://127.0.0.1:5551 3")
-    unity.play_until("asking tcp://127.0.0.1:9")
+    unity.draw_until(said)
     unity.do("stop")
 
 
-def test_an_endpoint_option_without_an_endpoint_is_said(editor, project):
-    unity = editor(project, words=["--endpoint"])
-    unity.do("play 1 tcp://127.0.0.1:5551 3")
-    unity.draw_until("^Error: bad endpoint '': write it like ")
-    unity.do("stop")
+PLIST = (
+    '<?xml version="1.0" encoding="UTF-8"?>\n<plist version="1.0">\n<dict>\n\t<key>A</key>\n\t<dict>\n\t</dict>\n'
+    "</dict>\n</plist>\n"
+)
 
 
 def test_a_device_is_warned_of_what_cannot_work_there(editor, project, tmp_path):
     unity = editor(project)
     plist = tmp_path / "Info.plist"
-    before = (
-        '<?xml version="1.0" encoding="UTF-8"?>\n<plist version="1.0">\n<dict>\n\t<key>A</key>\n\t<dict>\n\t</dict>\n'
-    )
-    plist.write_text(before + "</dict>\n</plist>\n", encoding="utf-8")
+    plist.write_text(PLIST, encoding="utf-8")
     loopback = "HelloClient in scene Main asks 127.0.0.1, which on a device is the device itself"
     permission = "Android may refuse NetMQ the network: set Project Settings, Player, Other Settings, Internet Access"
     said = "\n".join(unity.do(f"build Android {tmp_path}"))
@@ -198,9 +195,6 @@ def test_a_device_is_warned_of_what_cannot_work_there(editor, project, tmp_path)
     # Who has deleted the file can build all the same.
     (project / "Assets" / "NetMQExample" / "link.xml.meta").unlink()
     assert "link: " in unity.do(f"build Android {tmp_path}")
-
-
-PLIST = '<?xml version="1.0" encoding="UTF-8"?>\n<plist version="1.0">\n<dict>\n\t<key>A</key>\n</dict>\n</plist>\n'
 
 
 def test_a_mac_asks_for_the_local_network(editor, project, tmp_path):

@@ -174,13 +174,14 @@ def silent():
 
 
 ABSENT = "tcp://127.0.0.1:9"
-by_mode = pytest.mark.parametrize("mode", ["reload", "keep"])
 
 
-@by_mode
-def test_with_a_server(mode, editor, serve):
-    """Two clients; the second Play begins as the first did, also after a server was killed."""
-    unity = editor(mode=mode)
+def test_a_domain_is_left_at_each_moment(editor, serve, silent):
+    """Two clients; the second Play begins as the first did, also after a server was killed.
+
+    Without an answer Stop comes at another moment of the client's wait each time, the first at once.
+    """
+    unity = editor(mode="reload")
     server, endpoint = serve("01_request_reply", "--delay", "0.002")
     for number in range(2):
         unity.play("1", endpoint, 2)
@@ -189,12 +190,6 @@ def test_with_a_server(mode, editor, serve):
         if number == 1:
             server.kill()
         unity.stop()
-
-
-@pytest.mark.parametrize(("runtime", "mode"), [("mono", "reload"), ("mono", "keep"), ("dotnet", "keep")])
-def test_without_an_answer(runtime, mode, editor, silent):
-    """Stop comes at another moment of the client's wait each time, the first at once."""
-    unity = editor(runtime, mode)
     for moment, endpoint in enumerate([silent, ABSENT, silent]):
         unity.play("1", endpoint)
         unity.wait_for("^asking")
