@@ -35,10 +35,13 @@ namespace NetMQExample.PlayTest
 
         private static int PlayOne(IEnumerable<string> words)
         {
-            var told = words.Select(word => word.Split(new[] { '=' }, 2)).ToDictionary(pair => pair[0], pair => pair.ElementAtOrDefault(1) ?? "");
+            var told = words.Select(word => word.Split(new[] { '=' }, 2))
+                .ToDictionary(pair => pair[0], pair => pair.ElementAtOrDefault(1) ?? "");
             int At(string name) => told.Remove(name, out var text) ? int.Parse(text, CultureInfo.InvariantCulture) : -1;
-            (SystemInfo.TopRowFirst, SystemInfo.NoReadback, SystemInfo.NoGraphics) = (told.Remove("topfirst"), told.Remove("noreadback"), told.Remove("nographics"));
-            int fail = At("fail"), press = At("press"), down = At("down"), disable = At("disable"), frames = At("frames");
+            (SystemInfo.TopRowFirst, SystemInfo.NoReadback, SystemInfo.NoGraphics) = (told.Remove("topfirst"),
+                told.Remove("noreadback"), told.Remove("nographics"));
+            int fail = At("fail"), press = At("press"), down = At("down"), disable = At("disable"),
+                frames = At("frames");
             var (numbered, positions, looked) = (told.Remove("numbered"), told.Remove("positions"), told.Remove("eye"));
             Camera eye = null;
             var lessons = typeof(NetMQLifetime).Assembly;
@@ -69,7 +72,8 @@ namespace NetMQExample.PlayTest
             var logged = false;
             Application.logMessageReceived += (line, stack, type) => logged = true;
             var clock = Stopwatch.StartNew();
-            for (long frame = 1, step = -1; !(player.Done && (sender.enabled || disable < 0)) && !(frames > 0 && cost.Done); frame++)
+            for (long frame = 1, step = -1; !(player.Done && (sender.enabled || disable < 0))
+                && !(frames > 0 && cost.Done); frame++)
             {
                 var rendering = Camera.Rendering.Elapsed;
                 logged = false;
@@ -77,7 +81,9 @@ namespace NetMQExample.PlayTest
                 player.Frame();
                 if (!logged) cost.End((Camera.Rendering.Elapsed - rendering).TotalMilliseconds);
                 var now = car.Drive.Frame;
-                if (positions && now != step) Console.WriteLine(FormattableString.Invariant($"at {now} {car.Car.X:R} {car.Car.Y:R} {Stands(car)}"));
+                if (positions && now != step)
+                    Console.WriteLine(
+                        FormattableString.Invariant($"at {now} {car.Car.X:R} {car.Car.Y:R} {Stands(car)}"));
                 if (step < fail && now >= fail) AsyncGPUReadback.ToFail = 3;
                 if (step < press && now >= press) Player.Press(-0.5f, 1);
                 if (press >= 0 && step < press + 20 && now >= press + 20) Player.Press(0, 0);
@@ -97,7 +103,9 @@ namespace NetMQExample.PlayTest
             var text = (string)typeof(CameraSender).GetField("text", Hidden).GetValue(sender);
             if (text != "") Console.WriteLine($"the inspector shows {text}");
             if (frames > 0) Console.WriteLine($"cost: {cost}");
-            if (looked) Console.WriteLine($"the eye goes on as it was: {eye != null && eye.enabled && eye.targetTexture == null}");
+            if (looked)
+                Console.WriteLine(
+                    $"the eye goes on as it was: {eye != null && eye.enabled && eye.targetTexture == null}");
             player.Stop();
             return player.Errors > 0 ? 1 : 0;
         }

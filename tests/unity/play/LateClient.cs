@@ -11,7 +11,8 @@ namespace NetMQExample.PlayTest
     /// that.</summary>
     public sealed class LateClient : NetworkBehaviour
     {
-        private static readonly ManualResetEvent Unloading = new ManualResetEvent(false), Tried = new ManualResetEvent(false);
+        private static readonly ManualResetEvent Unloading = new ManualResetEvent(false),
+            Tried = new ManualResetEvent(false);
 
         [SerializeField] private string endpoint = "tcp://127.0.0.1:5551";
 

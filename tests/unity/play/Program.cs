@@ -13,7 +13,7 @@
 //     … play.dll body count=60 …                         application 20; see Bodies.cs
 //     … play.dll areas 16 play --endpoint …              lesson 10's areas in a scene; see ManyAreas.cs
 //     … play.dll quiet world --endpoint …                what frames cost in which Python steps; see Quiet.cs
-//     … play.dll keys                                    what ArrowKeys makes of the package Input System; see Keys.cs
+//     … play.dll keys                                    what ArrowKeys makes of the Input System; see Keys.cs
 //     … play.dll forgotten                               no Play: a socket is not disposed, and the process ends
 //
 // "play 1 tcp://127.0.0.1:5551 2" has two of lesson 1's clients in the scene. It prints "ready", "playing", what the
@@ -42,7 +42,8 @@ namespace NetMQExample.PlayTest
 
         private static int Main(string[] words)
         {
-            // Mono 6.8: when two threads make the first writers of a program at the same moment, one may lack its line end.
+            // Mono 6.8: when two threads make the first writers of a program at the same moment, one may lack its line
+            // end.
             _ = Console.Out;
             switch (words[0])
             {
@@ -103,7 +104,8 @@ namespace NetMQExample.PlayTest
             var all = new List<GameObject>();
             player.Begin(() =>
             {
-                for (var i = clients; i > 0; i--) all.Add(first = MakeObject($"client {i}", types, endpoint, int.MaxValue));
+                for (var i = clients; i > 0; i--)
+                    all.Add(first = MakeObject($"client {i}", types, endpoint, int.MaxValue));
             });
             Console.WriteLine("playing");
             var frozen = false;
@@ -180,7 +182,8 @@ namespace NetMQExample.PlayTest
                     Console.WriteLine($"done before it was enabled: {player.Done}");
                     foreach (var part in Scripts.Of(lessons, script).Select(type => thing.GetComponent(type)))
                         foreach (var field in Inspector.Fields(part.GetType()).Where(field => field.Name == name))
-                            field.SetValue(part, Convert.ChangeType(value, field.FieldType, CultureInfo.InvariantCulture));
+                            field.SetValue(part,
+                                Convert.ChangeType(value, field.FieldType, CultureInfo.InvariantCulture));
                     thing.SetActive(true);
                 });
                 UntilDone(player);
@@ -209,13 +212,19 @@ namespace NetMQExample.PlayTest
                 var asksAgain = Inspector.Fields(script.GetType()).Any(field => field.Name == "tries");
                 foreach (var field in Inspector.Fields(script.GetType()))
                 {
-                    if (field.GetValue(script) is string text && text.Contains("://127.0.0.1:")) field.SetValue(script, endpoint);
+                    if (field.GetValue(script) is string text && text.Contains("://127.0.0.1:"))
+                        field.SetValue(script, endpoint);
                     // A job that lasts as long as the others.
                     if (script is JobRunner && field.Name == "kind") field.SetValue(script, "count");
                     // A client that asks once gives up at the first reply that is late, which is no question here.
-                    if (field.Name == "timeout" && field.GetValue(script) is float timeout && !asksAgain) field.SetValue(script, Math.Max(timeout, 20f));
+                    if (field.Name == "timeout" && field.GetValue(script) is float timeout && !asksAgain)
+                        field.SetValue(script, Math.Max(timeout, 20f));
                     // As a rule so many that it is still asking when Stop comes.
-                    if (field.Name == "count") field.SetValue(script, script is JobRunner ? Math.Min(count, 2000) : script is TalkingCharacter ? Math.Min(count, 200) : count);
+                    if (field.Name == "count")
+                        field.SetValue(script,
+                            script is JobRunner
+                                ? Math.Min(count, 2000)
+                                : script is TalkingCharacter ? Math.Min(count, 200) : count);
                 }
             }
             thing.SetActive(on);

@@ -70,7 +70,8 @@ namespace UnityEditor
 
         public static void SetString(string key, string value) => Kept[key] = value;
 
-        public static string GetString(string key, string defaultValue) => Kept.TryGetValue(key, out var value) ? value : defaultValue;
+        public static string GetString(string key, string defaultValue) =>
+            Kept.TryGetValue(key, out var value) ? value : defaultValue;
     }
 
     public class EditorUtility

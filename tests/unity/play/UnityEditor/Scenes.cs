@@ -101,7 +101,8 @@ namespace UnityEditor
 
     public class Undo
     {
-        public static void RegisterCreatedObjectUndo(Object objectToUndo, string name) => Drawing.Lines.Add($"undo: {name}");
+        public static void RegisterCreatedObjectUndo(Object objectToUndo, string name) =>
+            Drawing.Lines.Add($"undo: {name}");
     }
 
     public sealed class Selection
