@@ -42,9 +42,6 @@ namespace UnityEditor
     {
         public static void HelpBox(string message, MessageType type) => Drawing.Lines.Add($"{type}: {message}");
 
-        public static void LabelField(string label, string label2, params GUILayoutOption[] options) =>
-            Drawing.Lines.Add($"{label}: {label2}");
-
         public static string TextField(string label, string text, params GUILayoutOption[] options) =>
             Drawing.Field(label, text);
 
