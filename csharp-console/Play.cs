@@ -117,7 +117,7 @@ namespace NetMQExample.Terminal
             // The fields of one that another has brought along count as well.
             var scripts = thing.GetComponents<MonoBehaviour>();
             foreach (var script in scripts) Inspector.FillIn(script);
-            // What is said of one class comes after, and so counts more than, what is said of all.
+            // A setting of one class comes after those of all classes, and so counts more.
             foreach (var (name, value) in settings.OrderBy(one => one.Name.Contains('.')))
                 Inspector.Set(scripts, name, value);
             thing.SetActive(true);

@@ -68,7 +68,7 @@ def test_axes_angles_and_smoothing_are_the_same_numbers_everywhere(
     corner[24], corner[26], corner[28] = (0, 0, 0, 1), (0, 0.4, 0, 1), (0, 0.4, -0.3, 1)
     odd = ["pose/0/ 1 0.0 1", "pose/0/ x 0.0", message(5, corner).replace(" 0.750", " nan", 1), "news/ 1 0.0"]
     odd += [message(5, corner).replace(" 0.750", " 0,750", 1), message(5, corner) + " 1"]
-    # What one language's numbers may look like and the other's not.
+    # Some languages read these as numbers, others do not.
     words = ("+5", ".5", "5.", "0.0123456789", "1e5", "1234567890", "Infinity", "\u0665", "0\0", "")
     odd += [message(5, corner).replace(" 0.750", f" {word}", 1) for word in words]
     odd += [

@@ -19,8 +19,8 @@ HERE = ROOT / "tests" / "unity"
 
 
 def test_the_stand_ins_are_unitys_types(harness):
-    """unity_api.txt and unity_editor_api.txt say of each type where Unity's published reference declares it. What the
-    player lacks, kit.py play tells by what it reads in the source of what is there."""
+    """unity_api.txt and unity_editor_api.txt say of each type where Unity's published reference declares it. From
+    the source of those in the player kit.py play reads which types and members there are."""
     editor = Editor(["dotnet", str(harness), "editor"], ROOT)
     printed = editor.do("api")
     editor.do("quit")
@@ -48,7 +48,7 @@ def test_what_netmq_names_is_there_and_no_more(harness):
     editor = Editor(["dotnet", str(harness), "editor"], ROOT)
     needed = {name for dll in dlls for name in editor.do(f"references {dll}")}
     editor.do("quit")
-    # What Unity's .NET Standard 2.1 forwards.
+    # Unity's .NET Standard 2.1 forwards these.
     assert needed - {"netstandard", "System.Buffers", "System.Memory"} == {dll.stem for dll in dlls} - {"NetMQ"}
 
 
@@ -96,12 +96,11 @@ def test_scripts_may_do_here_what_they_do_in_unity(play):
         '"kind":1,"marked":true} -4 0.25 (0.00, 1.00, 0.00)  10 5',
         *["no JSON: JSON parse error: Invalid value."] * 3,
         "no JSON: JSON must represent an object type.",
-        "in the scene: Connecting",
     ]
     assert [line for line in program.lines[end:] if line in happened] == happened
 
 
-# What scripts as game developers write their first ones print, each in a Play of its own.
+# Each of these scripts has a Play of its own, and prints this. Game developers write their first ones like them.
 FIRST = {
     "Waiting": """
 Start in frame 1

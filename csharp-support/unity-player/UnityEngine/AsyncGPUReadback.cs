@@ -10,7 +10,7 @@ namespace UnityEngine.Rendering
         private readonly Readback work;
         private readonly int number;
         internal AsyncGPUReadbackRequest(Readback work) => (this.work, number) = (work, work.Number);
-        // What is over is done, with an error: so a script that did not look in time learns of it.
+        // A request that is over is done, with an error: so a script that did not look in time learns of it.
         public bool done => work == null || work.Number != number || work.Left <= 0;
         public bool hasError => work == null || work.Number != number || work.Failed;
 

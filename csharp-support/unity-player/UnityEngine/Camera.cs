@@ -1,4 +1,4 @@
-// What is seen: cubes of one colour each, and cameras that look at them when they are told to.
+// A scene shows cubes of one colour each, and cameras look at them when they are told to.
 using System;
 
 namespace UnityEngine.Rendering

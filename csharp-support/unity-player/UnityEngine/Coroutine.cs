@@ -84,7 +84,7 @@ namespace UnityEngine
         /// WaitForEndOfFrame, or null, after Update.</summary>
         internal static void Run(Type moment)
         {
-            // What is started meanwhile has run already.
+            // Coroutines that are started meanwhile have run already.
             for (int i = 0, count = All.Count; i < count; i++)
                 if (All[i].Ready(moment)) All[i].Advance();
             All.RemoveAll(one => one.over);

@@ -106,7 +106,7 @@ namespace NetMQExample.Tests
             throw new UnityAgentsException(sent.Length == 23 ? lines.Single() : $"sent {sent.Length} bytes");
         }
 
-        // What is queued while nobody takes it.
+        // Messages are queued while nobody takes them.
         private static string Keep(int count)
         {
             var (channel, lines) = (new RawBytesChannel(new Guid("00112233-4455-6677-8899-aabbccddeeff")),

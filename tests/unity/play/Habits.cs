@@ -20,17 +20,13 @@ namespace NetMQExample.PlayTest
         {
             Events();
             var player = new Player(typeof(NetMQLifetime).Assembly);
-            HelloBackground hello = null;
             player.Begin(() =>
             {
                 ShowLines();
                 DrawShapes();
                 RunInBackground();
-                hello = ShowState();
                 WriteJson();
             });
-            player.Frame();
-            Console.WriteLine($"in the scene: {hello.GetComponent<TextMesh>().text.Split('\n')[0]}");
             player.Stop();
             Application.runInBackground = true;
             return 0;
@@ -94,20 +90,6 @@ namespace NetMQExample.PlayTest
                 Console.WriteLine($"HelloWeb: {Application.runInBackground}");
                 Object.DestroyImmediate(web);
             }
-        }
-
-        // A headset shows no OnGUI.
-        private static HelloBackground ShowState()
-        {
-            var thing = new GameObject("state");
-            thing.SetActive(false);
-            var hello = thing.AddComponent<HelloBackground>();
-            Inspector.Set(new MonoBehaviour[] { hello }, "endpoint", "tcp://127.0.0.1:9");
-            Inspector.Set(new MonoBehaviour[] { hello }, "timeout", "60");
-            thing.AddComponent<TextMesh>();
-            thing.AddComponent<HelloWorldHud>();
-            thing.SetActive(true);
-            return hello;
         }
 
         // A class comes back with its serialized fields; others are passed over, as by Unity's serializer.

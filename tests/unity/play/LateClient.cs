@@ -18,7 +18,7 @@ namespace NetMQExample.PlayTest
 
         static LateClient()
         {
-            // What is told first that the domain is unloaded is NetMQLifetime, which finds nobody to wait for.
+            // NetMQLifetime is told first that the domain is unloaded, and finds nobody to wait for.
             RuntimeHelpers.RunClassConstructor(typeof(NetMQLifetime).TypeHandle);
             AppDomain.CurrentDomain.DomainUnload += (domain, nothing) =>
             {
