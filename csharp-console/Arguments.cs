@@ -55,13 +55,15 @@ namespace NetMQExample.Terminal
                 : throw new UsageException($"--{name} takes seconds, such as 0.5, not '{text}'");
         }
 
-        /// <summary>What is left, as name and value: <c>--count 3</c>; a switch alone, such as <c>--drive</c>, is true.</summary>
+        /// <summary>What is left, as name and value: <c>--count 3</c>; a switch alone, such as <c>--drive</c>, is
+        /// true.</summary>
         public IEnumerable<(string Name, string Value)> TakeTheRest()
         {
             while (rest.Count > 0 && rest[0].StartsWith("--", StringComparison.Ordinal) && !rest.Contains("--help"))
             {
                 var name = NameOf(rest[0])[2..];
-                var alone = rest[0].IndexOf('=') < 0 && (rest.Count == 1 || rest[1].StartsWith("--", StringComparison.Ordinal));
+                var alone = rest[0].IndexOf('=') < 0
+                    && (rest.Count == 1 || rest[1].StartsWith("--", StringComparison.Ordinal));
                 if (alone) rest.RemoveAt(0);
                 yield return (name, alone ? "true" : TakeValue(0)!);
             }
@@ -75,7 +77,8 @@ namespace NetMQExample.Terminal
             throw new UsageException(rest.Contains("--help") ? known : $"unknown: {NameOf(rest.First())}; {known}");
         }
 
-        private static string NameOf(string word) => word.StartsWith("--", StringComparison.Ordinal) ? word.Split('=')[0] : word;
+        private static string NameOf(string word) =>
+            word.StartsWith("--", StringComparison.Ordinal) ? word.Split('=')[0] : word;
 
         // A value after the equals sign may begin with dashes: a CURVE key does, once in some thousand.
         private string? TakeValue(int at)

@@ -1,5 +1,5 @@
-// The arrow keys, or W, A, S, D, as a steering wheel, for lesson 08. A terminal tells when a key is pressed, and not when
-// it is let go: what was set stays set.
+// The arrow keys, or W, A, S, D, as a steering wheel, for lesson 08. A terminal tells when a key is pressed, and not
+// when it is let go: what was set stays set.
 using System;
 using System.Runtime.InteropServices;
 
@@ -9,7 +9,8 @@ namespace NetMQExample.Terminal
     internal sealed class Keyboard
     {
         // .NET has the terminal echo again after a signal that somebody listens for. Without this, SIGTERM is none.
-        private readonly PosixSignalRegistration atEnd = PosixSignalRegistration.Create(PosixSignal.SIGTERM, signal => { });
+        private readonly PosixSignalRegistration atEnd =
+            PosixSignalRegistration.Create(PosixSignal.SIGTERM, signal => { });
         private double throttle, brake, steer;
 
         public Keyboard()

@@ -5,11 +5,13 @@
 //     --set count=3       the same
 //     --MyClient.count 3  that of one class, whatever the others have
 //     --seconds 5         stop then; without it, once every script with a Done property is done
-//     --click Send        somebody clicks this button, a second later; Volume=0.5 moves a slider; each further one a second after
+//     --click Send        somebody clicks this button, a second later; Volume=0.5 moves a slider; each further one
+//                         a second after
 //     --add LineRenderer  the object has this component, too
 //     -batchmode          and -nographics and -logFile F: Unity's own switches change nothing here
 //
-// The scene is one game object with every MonoBehaviour of the lesson's folder, as in the lesson's Unity scene, or of the DLL.
+// The scene is one game object with every MonoBehaviour of the lesson's folder, as in the lesson's Unity scene, or of
+// the DLL.
 using System;
 using System.Collections.Generic;
 using System.IO;
@@ -26,15 +28,18 @@ namespace NetMQExample.Terminal
     {
         private static readonly TimeSpan Grace = TimeSpan.FromSeconds(10), Goodbye = TimeSpan.FromSeconds(5);
         private static readonly string Frozen =
-            $"a script has held the main thread for {Grace.TotalSeconds} s, in Update or at Stop: Unity's editor would be frozen now";
+            $"a script has held the main thread for {Grace.TotalSeconds} s, in Update or at Stop: "
+            + "Unity's editor would be frozen now";
         // Nobody waits for it: it comes up only if something else keeps the process.
-        private static readonly Timer Left = new(_ => GiveUp($"a thread of a script still runs {Goodbye.TotalSeconds} s after Stop: in Unity's editor it "
+        private static readonly Timer Left = new(_ => GiveUp(
+            $"a thread of a script still runs {Goodbye.TotalSeconds} s after Stop: in Unity's editor it "
             + "would go on until the editor is closed. Let its loop end in OnDisable, and set its IsBackground"));
 
         /// <summary>Without those of Unity's own switches that have no meaning here.</summary>
         public static IEnumerable<string> WithoutUnitysOwn(string[] words)
         {
-            bool Is(int i, params string[] names) => i >= 0 && names.Contains(words[i], StringComparer.OrdinalIgnoreCase);
+            bool Is(int i, params string[] names) =>
+                i >= 0 && names.Contains(words[i], StringComparer.OrdinalIgnoreCase);
             return words.Where((word, i) => !Is(i, "-batchmode", "-nographics", "-logFile") && !Is(i - 1, "-logFile"));
         }
 
@@ -42,7 +47,9 @@ namespace NetMQExample.Terminal
         {
             arguments.Flag("unity");
             var lessons = typeof(NetMQLifetime).Assembly;
-            var own = lesson?.EndsWith(".dll", StringComparison.Ordinal) == true ? Assembly.LoadFrom(Path.GetFullPath(lesson)) : null;
+            var own = lesson?.EndsWith(".dll", StringComparison.Ordinal) == true
+                ? Assembly.LoadFrom(Path.GetFullPath(lesson))
+                : null;
             var types = own == null ? Scripts.Of(lessons, lesson ?? "") : Scripts.Of(own, lessons);
             var fields = types.SelectMany(Inspector.Defaults).ToList();
             // A script that has such a field itself ends by itself then.
@@ -50,7 +57,8 @@ namespace NetMQExample.Terminal
             var untilDone = ends || !arguments.Has("seconds");
             var limit = ends ? TimeSpan.FromDays(1) : arguments.Seconds("seconds", 86400);
             var settings = All(arguments, "set").Select(Setting).ToList();
-            var (clicks, added) = (All(arguments, "click"), All(arguments, "add").Select(Inspector.Component).ToArray());
+            var clicks = All(arguments, "click");
+            var added = All(arguments, "add").Select(Inspector.Component).ToArray();
             settings.AddRange(arguments.TakeTheRest());
             // Only for --help, and for what does not begin with --.
             foreach (var (name, value) in fields) arguments.Text(name, value);
@@ -105,12 +113,13 @@ namespace NetMQExample.Terminal
             // Components wake up when their object is switched on: the fields are set by then, as in a scene file.
             thing.SetActive(false);
             foreach (var type in added) thing.AddComponent(type);
-            // One may have brought another along, by RequireComponent, whose fields count as well.
-            foreach (var type in types.Where(type => thing.GetComponent(type) == null)) thing.AddComponent(type);
+            Scripts.AddTo(thing, types);
+            // The fields of one that another has brought along count as well.
             var scripts = thing.GetComponents<MonoBehaviour>();
             foreach (var script in scripts) Inspector.FillIn(script);
-            // What is said of one class comes after, and so counts more than, what is said of all.
-            foreach (var (name, value) in settings.OrderBy(one => one.Name.Contains('.'))) Inspector.Set(scripts, name, value);
+            // A setting of one class comes after those of all classes, and so counts more.
+            foreach (var (name, value) in settings.OrderBy(one => one.Name.Contains('.')))
+                Inspector.Set(scripts, name, value);
             thing.SetActive(true);
         }
 
@@ -119,7 +128,8 @@ namespace NetMQExample.Terminal
             var equals = text.IndexOf('=');
             return equals > 0
                 ? (text[..equals], text[(equals + 1)..])
-                : throw new UsageException($"--set takes name=value, such as endpoint=tcp://127.0.0.1:5551, not '{text}'");
+                : throw new UsageException(
+                    $"--set takes name=value, such as endpoint=tcp://127.0.0.1:5551, not '{text}'");
         }
     }
 }

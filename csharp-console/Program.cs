@@ -2,8 +2,8 @@
 // With --with-keys DIR the client of any lesson has lesson 15's keys, for a server behind its gate.py.
 // With --unity it plays the lesson's MonoBehaviours instead; see Play.cs.
 //
-// A terminal client is a static class LessonNN with a method Run. It is found by that name, so that adding a lesson is adding
-// its file. Exit codes: 0 done, 1 gave up, 2 wrong usage.
+// A terminal client is a static class LessonNN with a method Run. It is found by that name, so that adding a lesson is
+// adding its file. Exit codes: 0 done, 1 gave up, 2 wrong usage.
 using System;
 using System.IO;
 using System.Linq;
@@ -18,8 +18,9 @@ namespace NetMQExample.Terminal
         {
             Console.OutputEncoding = new System.Text.UTF8Encoding(false);
             AppDomain.CurrentDomain.UnhandledException += (_, thrown) => EndIfNetMQs((Exception)thrown.ExceptionObject);
-            // .NET hands what arrives at a socket to its thread pool, and NetMQ's callback there hands it on to NetMQ's own
-            // thread at once: this leaves the detour out. Only for a program whose other sockets never block in a callback.
+            // .NET hands what arrives at a socket to its thread pool, and NetMQ's callback there hands it on to NetMQ's
+            // own thread at once: this leaves the detour out. Only for a program whose other sockets never block in a
+            // callback.
             Environment.SetEnvironmentVariable("DOTNET_SYSTEM_NET_SOCKETS_INLINE_COMPLETIONS", "1");
             try
             {
@@ -29,7 +30,8 @@ namespace NetMQExample.Terminal
                     NetMQConnection.Prepare = new ClientKeys(words[keys + 1]).Apply;
                     words = words.Where((word, i) => i != keys && i != keys + 1).ToArray();
                 }
-                if (words.Contains("--unity")) return Play.Run(words[0], new Arguments(Play.WithoutUnitysOwn(words).Skip(1)));
+                if (words.Contains("--unity"))
+                    return Play.Run(words[0], new Arguments(Play.WithoutUnitysOwn(words).Skip(1)));
                 var lesson = Lesson(words.FirstOrDefault());
                 Invoke(lesson, new Arguments(words.Skip(1)));
                 return 0;
@@ -52,7 +54,9 @@ namespace NetMQExample.Terminal
         private static void EndIfNetMQs(Exception error)
         {
             if (error.StackTrace?.Contains("NetMQ.Core.Utils.Proactor") != true) return;
-            Console.Error.WriteLine($"gave up: NetMQ cannot read what the server sent: {LogText.Printable(error.Message)}; is it one of this kit?");
+            Console.Error.WriteLine(
+                $"gave up: NetMQ cannot read what the server sent: {LogText.Printable(error.Message)}; "
+                + "is it one of this kit?");
             Environment.Exit(1);
         }
 
@@ -63,7 +67,8 @@ namespace NetMQExample.Terminal
                 .ToDictionary(type => type.Name[6..]);
             if (number != null && lessons.TryGetValue(number.Split('_')[0].PadLeft(2, '0'), out var lesson))
                 return lesson.GetMethod("Run")!;
-            throw new UsageException($"which lesson? Give its number first, one of: {string.Join(" ", lessons.Keys.OrderBy(key => key))}");
+            throw new UsageException(
+                $"which lesson? Give its number first, one of: {string.Join(" ", lessons.Keys.OrderBy(key => key))}");
         }
 
         private static void Invoke(MethodInfo run, Arguments arguments)

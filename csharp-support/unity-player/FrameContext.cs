@@ -8,7 +8,8 @@ namespace UnityPlayer
 {
     internal sealed class FrameContext : SynchronizationContext
     {
-        private readonly ConcurrentQueue<(SendOrPostCallback Call, object State)> queue = new ConcurrentQueue<(SendOrPostCallback, object)>();
+        private readonly ConcurrentQueue<(SendOrPostCallback Call, object State)> queue =
+            new ConcurrentQueue<(SendOrPostCallback, object)>();
 
         public override void Post(SendOrPostCallback d, object state) => queue.Enqueue((d, state));
         public override SynchronizationContext CreateCopy() => this;

@@ -53,10 +53,13 @@ namespace UnityPlayer
             Array.Sort(sorted);
             var sum = 0.0;
             foreach (var time in sorted) sum += time;
-            string Below(double share) => FormattableString.Invariant($"{sorted[(int)(share * (sorted.Length - 1))]:F4} ms");
+            string Below(double share) =>
+                FormattableString.Invariant($"{sorted[(int)(share * (sorted.Length - 1))]:F4} ms");
             return FormattableString.Invariant($"{sorted.Length} frames: mean {sum / sorted.Length:F4} ms, ")
                 + $"half below {Below(0.5)}, 99 of 100 below {Below(0.99)}, longest {Below(1)}, "
-                + (Counted ? $"{allocated} bytes allocated in {dirty} frames" : "bytes are not counted by this runtime");
+                + (Counted
+                    ? $"{allocated} bytes allocated in {dirty} frames"
+                    : "bytes are not counted by this runtime");
         }
 
         // The garbage collector of Unity's Mono and of IL2CPP says 0 whatever was allocated; there the Profiler window

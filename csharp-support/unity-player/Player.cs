@@ -61,7 +61,8 @@ namespace UnityPlayer
         }
 
         /// <summary>The textures that nobody has destroyed, and the materials with their colours.</summary>
-        public static IEnumerable<string> Left => LoadedScene.Made.Select(thing => thing.GetType().Name + (thing is Material paint
+        public static IEnumerable<string> Left =>
+            LoadedScene.Made.Select(thing => thing.GetType().Name + (thing is Material paint
             ? FormattableString.Invariant($":{paint.color.r:F2},{paint.color.g:F2},{paint.color.b:F2}") : ""));
 
         /// <summary>One click a second in Run: the name of a button or of a toggle, <c>Volume=0.5</c> for a slider,
@@ -73,7 +74,8 @@ namespace UnityPlayer
         /// <summary>The picture that OnGUI has drawn last.</summary>
         public static Texture Picture => GUI.Picture;
 
-        /// <summary>True once a script called Application.Quit, or every component with a Done property says true.</summary>
+        /// <summary>True once a script called Application.Quit, or every component with a Done property says
+        /// true.</summary>
         public bool Done
         {
             get
@@ -138,11 +140,12 @@ namespace UnityPlayer
         }
 
         // Where neither says anything, frames come as fast as they can.
-        private static TimeSpan FrameLength => Application.targetFrameRate > 0 ? TimeSpan.FromSeconds(1.0 / Application.targetFrameRate)
+        private static TimeSpan FrameLength =>
+            Application.targetFrameRate > 0 ? TimeSpan.FromSeconds(1.0 / Application.targetFrameRate)
             : QualitySettings.VSyncs > 0 ? FrameTime * QualitySettings.VSyncs : TimeSpan.Zero;
 
-        /// <summary>Frames at 60 a second, or at targetFrameRate, until the time is over, somebody asks to stop, a script calls Application.Quit or, unless the
-        /// caller wants all of the time, every script is done.</summary>
+        /// <summary>Frames at 60 a second, or at targetFrameRate, until the time is over, somebody asks to stop, a
+        /// script calls Application.Quit or, unless the caller wants all of the time, every script is done.</summary>
         public void Run(TimeSpan limit, Func<bool> stopAsked, bool untilDone = true)
         {
             var nextClick = TimeSpan.FromSeconds(1);
@@ -165,7 +168,8 @@ namespace UnityPlayer
         /// <summary>Sends a game out of sight and back, as a phone does.</summary>
         public void Pause(bool paused) => Tell("OnApplicationPause", paused);
 
-        /// <summary>Does as the editor does when a script was changed while playing, without the reload itself.</summary>
+        /// <summary>Does as the editor does when a script was changed while playing, without the reload
+        /// itself.</summary>
         public TimeSpan Recompile()
         {
             var busy = Stopwatch.StartNew();
@@ -191,21 +195,29 @@ namespace UnityPlayer
             return busy.Elapsed;
         }
 
-        private static bool? DoneOf(MonoBehaviour script) => (bool?)script.GetType().GetProperty("Done", typeof(bool))?.GetValue(script);
-        private static IEnumerable<MonoBehaviour> Behaviours() => LoadedScene.Objects.SelectMany(thing => thing.Components).OfType<MonoBehaviour>();
+        private static bool? DoneOf(MonoBehaviour script) =>
+            (bool?)script.GetType().GetProperty("Done", typeof(bool))?.GetValue(script);
+        private static IEnumerable<MonoBehaviour> Behaviours() =>
+            LoadedScene.Objects.SelectMany(thing => thing.Components).OfType<MonoBehaviour>();
 
         private static void Click(string text)
         {
             var words = text.Split('=', 2);
-            var ui = LoadedScene.Active.Where(one => one.name == words[0]).Select(one => one.GetComponent<Selectable>()).FirstOrDefault(one => one != null);
+            var ui = LoadedScene.Active.Where(one => one.name == words[0]).Select(one => one.GetComponent<Selectable>())
+                .FirstOrDefault(one => one != null);
             var script = Behaviours().FirstOrDefault(one => one.Can(words[0]));
             try
             {
                 if (ui != null) ui.Click(words.Length > 1 ? words[1] : "");
                 else if (script != null) script.Call(words[0]);
-                else Debug.LogError($"--click {text}: no button, toggle, slider or input field has this name, and no script such a method");
+                else
+                    Debug.LogError($"--click {text}: no button, toggle, slider or input field has this name, "
+                        + "and no script such a method");
             }
-            catch (FormatException) { Debug.LogError($"--click {text}: a slider takes a number, such as {words[0]}=0.5"); }
+            catch (FormatException)
+            {
+                Debug.LogError($"--click {text}: a slider takes a number, such as {words[0]}=0.5");
+            }
             catch (Exception e) { Debug.LogException(e); }
         }
 
@@ -225,7 +237,8 @@ namespace UnityPlayer
         private void CallLoadMethods(RuntimeInitializeLoadType moment)
         {
             const BindingFlags any = BindingFlags.Static | BindingFlags.Public | BindingFlags.NonPublic;
-            foreach (var method in assemblies.SelectMany(assembly => assembly.GetTypes()).SelectMany(type => type.GetMethods(any)))
+            foreach (var method in assemblies.SelectMany(assembly => assembly.GetTypes())
+                .SelectMany(type => type.GetMethods(any)))
                 if (method.GetCustomAttribute<RuntimeInitializeOnLoadMethodAttribute>()?.loadType == moment)
                     method.Invoke(null, null);
         }

@@ -1,5 +1,6 @@
 // Which MonoBehaviours a scene holds: those of a lesson's folder, or all of a reader's own scripts.
 using System;
+using System.Collections.Generic;
 using System.Linq;
 using System.Reflection;
 using UnityEngine;
@@ -11,22 +12,27 @@ namespace UnityPlayer
         // For scenes of one's own: no lesson's scene has them.
         private static readonly string[] Spare = { "RaySensor" };
 
-        /// <summary>Every MonoBehaviour of a reader's own, and those of the kit's that own-scripts.csproj has noted.</summary>
+        /// <summary>Every MonoBehaviour of a reader's own, and those of the kit's that own-scripts.csproj has
+        /// noted.</summary>
         /// <exception cref="ArgumentException">There is none.</exception>
         public static Type[] Of(Assembly own, Assembly kit)
         {
-            var noted = own.GetCustomAttributes<AssemblyMetadataAttribute>().ToLookup(data => data.Value, data => data.Key);
-            var found = own.GetTypes().Where(type => !noted["unnamed"].Contains(type.Name) || kit.GetType(type.FullName) == null)
+            var noted = own.GetCustomAttributes<AssemblyMetadataAttribute>()
+                .ToLookup(data => data.Value, data => data.Key);
+            var found = own.GetTypes()
+                .Where(type => !noted["unnamed"].Contains(type.Name) || kit.GetType(type.FullName) == null)
                 .Concat(kit.GetTypes().Where(type => noted["script"].Contains(type.Name)))
                 .Where(type => typeof(MonoBehaviour).IsAssignableFrom(type) && !type.IsAbstract).ToArray();
             // Of PythonAreas<Ball> a Ball is what each area has: one more, beside the areas, would be seen in them.
-            var areas = found.Select(type => type.BaseType).Where(type => type.IsGenericType).SelectMany(type => type.GetGenericArguments());
+            var areas = found.Select(type => type.BaseType).Where(type => type.IsGenericType)
+                .SelectMany(type => type.GetGenericArguments());
             found = found.Except(areas).ToArray();
             return found.Length > 0 ? found : throw new ArgumentException("there is no MonoBehaviour in these files");
         }
 
         /// <summary>The MonoBehaviours of a lesson.</summary>
-        /// <param name="assembly">The scripts, with the names of their files as NetMQExample.csproj writes them down.</param>
+        /// <param name="assembly">The scripts, with the names of their files as NetMQExample.csproj writes them
+        /// down.</param>
         /// <param name="lesson">Such as 1, 01 or 01_request_reply.</param>
         /// <exception cref="ArgumentException">There is no such lesson; the message says which there are.</exception>
         public static Type[] Of(Assembly assembly, string lesson)
@@ -45,5 +51,9 @@ namespace UnityPlayer
             var known = string.Join(" ", found.Select(group => group.Key).OrderBy(key => key, StringComparer.Ordinal));
             throw new ArgumentException($"which lesson? Give its number first, one of: {known}");
         }
+
+        /// <summary>Gives an object one of each. One may have brought another along, by RequireComponent.</summary>
+        public static MonoBehaviour[] AddTo(GameObject thing, IEnumerable<Type> types) =>
+            types.Select(type => (MonoBehaviour)(thing.GetComponent(type) ?? thing.AddComponent(type))).ToArray();
     }
 }

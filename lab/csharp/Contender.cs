@@ -1,7 +1,7 @@
 // Every contender of the lab can send its payload, and wait until the server's answer is there.
 //
-// A server of the lab answers with the same bytes, or, if the first byte is 3, with the first 200, which is about what an action
-// of lesson 08 takes.
+// A server of the lab answers with the same bytes, or, if the first byte is 3, with the first 200, which is about what
+// an action of lesson 08 takes.
 using System;
 using System.Collections.Generic;
 using System.Diagnostics;

@@ -26,7 +26,8 @@ namespace NetMQExample.Lab
         public override void Dispose() => requester.Dispose();
     }
 
-    /// <summary>Asks without waiting whether the reply is there, again and again, as a well-known example does.</summary>
+    /// <summary>Asks without waiting whether the reply is there, again and again, as a well-known example
+    /// does.</summary>
     internal sealed class BusyWait : Contender
     {
         private readonly RequestSocket socket = new RequestSocket();
@@ -114,7 +115,8 @@ namespace NetMQExample.Lab
 
         public override int Echo(List<double> waits)
         {
-            Check(requester.RequestMany(Enumerable.Repeat(text, batch)).All(answer => answer.Reply.Length == text.Length - 5));
+            Check(requester.RequestMany(Enumerable.Repeat(text, batch))
+                .All(answer => answer.Reply.Length == text.Length - 5));
             return batch;
         }
 
@@ -125,7 +127,8 @@ namespace NetMQExample.Lab
         public override void Dispose() => requester.Dispose();
     }
 
-    /// <summary>NetMQ and nothing else: one frame each way over a DEALER, with lesson 08's pool. ZeroMQ's own limit.</summary>
+    /// <summary>NetMQ and nothing else: one frame each way over a DEALER, with lesson 08's pool. ZeroMQ's own
+    /// limit.</summary>
     internal sealed class Bare : Contender
     {
         private readonly DealerSocket socket = new DealerSocket();

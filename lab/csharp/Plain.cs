@@ -23,7 +23,11 @@ namespace NetMQExample.Lab
         public static Socket Connected(string endpoint)
         {
             var address = new Uri(endpoint);
-            var socket = new Socket(AddressFamily.InterNetwork, SocketType.Stream, ProtocolType.Tcp) { NoDelay = true, ReceiveTimeout = (int)Timeout.TotalMilliseconds };
+            var socket = new Socket(AddressFamily.InterNetwork, SocketType.Stream, ProtocolType.Tcp)
+            {
+                NoDelay = true,
+                ReceiveTimeout = (int)Timeout.TotalMilliseconds,
+            };
             socket.Connect(IPAddress.Parse(address.Host), address.Port);
             return socket;
         }
@@ -32,7 +36,8 @@ namespace NetMQExample.Lab
         {
             // The first nine bytes are all that ever changes.
             Array.Copy(Payload, 0, outgoing, 4, Math.Min(9, Payload.Length));
-            for (var sent = 0; sent < outgoing.Length;) sent += socket.Send(outgoing, sent, outgoing.Length - sent, SocketFlags.None);
+            for (var sent = 0; sent < outgoing.Length;)
+                sent += socket.Send(outgoing, sent, outgoing.Length - sent, SocketFlags.None);
         }
 
         public override void Receive()
@@ -60,7 +65,8 @@ namespace NetMQExample.Lab
         {
             socket = Tcp.Connected(endpoint);
             var stream = new NetworkStream(socket);
-            (reader, writer) = (new StreamReader(stream), new StreamWriter(stream, new UTF8Encoding(false)) { AutoFlush = true, NewLine = "\n" });
+            (reader, writer) = (new StreamReader(stream),
+                new StreamWriter(stream, new UTF8Encoding(false)) { AutoFlush = true, NewLine = "\n" });
         }
 
         public override void Send() => writer.WriteLine($"{{\"image\": \"{Convert.ToBase64String(Payload)}\"}}");
@@ -70,7 +76,8 @@ namespace NetMQExample.Lab
             var line = reader.ReadLine() ?? throw new IOException("the server hung up");
             Newtonsoft.Json.Linq.JObject.Parse(line);
             var start = line.IndexOf(": \"", StringComparison.Ordinal) + 3;
-            Check(Convert.FromBase64String(line.Substring(start, line.LastIndexOf('"') - start)).Length == Payload.Length);
+            var digits = line.Substring(start, line.LastIndexOf('"') - start);
+            Check(Convert.FromBase64String(digits).Length == Payload.Length);
         }
 
         public override void Dispose() => socket.Dispose();

@@ -1,4 +1,5 @@
-// The C# clients of the performance lab. kit.py bench starts this, and says on the standard input what to do, a line each:
+// The C# clients of the performance lab. kit.py bench starts this, and says on the standard input what to do, a line
+// each:
 //
 //     echo NAME ENDPOINT SIZE SECONDS     a client sends and has it back, again and again
 //     frames ENDPOINT COUNT               lesson 04's client in the player, COUNT frames
@@ -6,7 +7,8 @@
 //
 // Each line is answered with one line of JSON: messages, seconds, and how long each wait was in
 // microseconds. Clients stay connected from round to round, so that a round measures no start.
-// Started as `respond ENDPOINT SIZE` it answers what comes with SIZE bytes, for the lab's trainer, until its input ends.
+// Started as `respond ENDPOINT SIZE` it answers what comes with SIZE bytes, for the lab's trainer, until its input
+// ends.
 using System;
 using System.Collections.Generic;
 using System.Diagnostics;
@@ -72,7 +74,8 @@ namespace NetMQExample.Lab
             switch (words[0])
             {
                 case "echo":
-                    return Echo(Client(words[1], words[2], int.Parse(words[3], CultureInfo.InvariantCulture)), double.Parse(words[4], CultureInfo.InvariantCulture));
+                    return Echo(Client(words[1], words[2], int.Parse(words[3], CultureInfo.InvariantCulture)),
+                        double.Parse(words[4], CultureInfo.InvariantCulture));
                 case "frames":
                     return Frames(words[1], words[2]);
                 default:
@@ -96,7 +99,8 @@ namespace NetMQExample.Lab
             while (watch.Elapsed.TotalSeconds < seconds) messages += client.Echo(waits);
             var took = watch.Elapsed.TotalSeconds;
             var listed = string.Join(",", waits.Select(wait => wait.ToString("F1", CultureInfo.InvariantCulture)));
-            return FormattableString.Invariant($"{{\"messages\":{messages},\"seconds\":{took:F6},\"waits\":[{listed}]}}");
+            return FormattableString.Invariant(
+                $"{{\"messages\":{messages},\"seconds\":{took:F6},\"waits\":[{listed}]}}");
         }
 
         // The player's own log, with the line "measured: …", comes before the answer.

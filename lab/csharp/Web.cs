@@ -42,14 +42,18 @@ namespace NetMQExample.Lab
             socket.ConnectAsync(new Uri(endpoint.Replace("tcp:", "ws:")), never).Wait(Timeout);
         }
 
-        public override void Send() => socket.SendAsync(new ArraySegment<byte>(Payload), WebSocketMessageType.Binary, true, never).GetAwaiter().GetResult();
+        public override void Send() =>
+            socket.SendAsync(new ArraySegment<byte>(Payload), WebSocketMessageType.Binary, true, never).GetAwaiter()
+                .GetResult();
 
         public override void Receive()
         {
             var received = 0;
             for (var end = false; !end;)
             {
-                var part = socket.ReceiveAsync(new ArraySegment<byte>(incoming, received, incoming.Length - received), never).GetAwaiter().GetResult();
+                var part =
+                    socket.ReceiveAsync(new ArraySegment<byte>(incoming, received, incoming.Length - received), never)
+                        .GetAwaiter().GetResult();
                 received += part.Count;
                 end = part.EndOfMessage;
             }

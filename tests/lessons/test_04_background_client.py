@@ -265,7 +265,7 @@ def test_in_code_with_a_server(serve, check):
     assert program.lines[-1] == "Forgotten: ok"
 
 
-NOBODY = ("Pairs", "Refusal", "Cancelled", "AskCancelled", "Asleep", "ListenerStops", "Within")
+NOBODY = ("Pairs", "Refusal", "Cancelled", "Asleep", "ListenerStops", "Within")
 
 
 def test_in_code_with_nobody_who_answers(check, context):

@@ -21,7 +21,7 @@ PACKAGE = ROOT / "unity" / "Assets" / "NetMQExample"
 PREFAB = PACKAGE / "04_background_client" / "BackgroundClient.prefab"
 # Mono is the runtime nearest to Unity's.
 NEAREST = "mono" if shutil.which("mono") else "dotnet"
-# What is wrong below us, and by what it is known. Wine, while it still notes the end of one thread's send, refuses
+# Faults below us, each by a text that tells it. Wine, while it still notes the end of one thread's send, refuses
 # another thread's on the same socket (server/sock.c, send_socket): NetMQ's reaper, which writes to itself, ends of that
 # once in 3,000 Plays. Mono 6.8, when it frees an AppDomain, aborts if an old copy of its table of compiled methods,
 # which a thread has just read, is still there (mono/metadata/domain.c, 1240): once in some 3,500 reloads of lesson 16.
@@ -123,7 +123,7 @@ def editor(harness: Path) -> Iterator[Callable[..., Editor]]:
 
     yield open_project
     for one in opened:
-        # Whatever has failed: no server is left.
+        # No server is left, even if the test has failed.
         if "did quit" not in one.program.lines and not one.program.ended:
             one.do("quit")
         one.program.wait()

@@ -68,7 +68,7 @@ def test_axes_angles_and_smoothing_are_the_same_numbers_everywhere(
     corner[24], corner[26], corner[28] = (0, 0, 0, 1), (0, 0.4, 0, 1), (0, 0.4, -0.3, 1)
     odd = ["pose/0/ 1 0.0 1", "pose/0/ x 0.0", message(5, corner).replace(" 0.750", " nan", 1), "news/ 1 0.0"]
     odd += [message(5, corner).replace(" 0.750", " 0,750", 1), message(5, corner) + " 1"]
-    # What one language's numbers may look like and the other's not.
+    # Some languages read these as numbers, others do not.
     words = ("+5", ".5", "5.", "0.0123456789", "1e5", "1234567890", "Infinity", "\u0665", "0\0", "")
     odd += [message(5, corner).replace(" 0.750", f" {word}", 1) for word in words]
     odd += [
@@ -163,19 +163,23 @@ def test_an_avatar_does_what_the_person_does(
     assert shin[0] * math.sin(0.9) - shin[2] * math.cos(0.9) > 0.5, "the knee bends ahead"
 
 
-def test_a_character_whose_bones_are_hidden_is_named_with_its_cure(play: Callable[..., Program]) -> None:
-    """Unity hides them where Optimize Game Objects is ticked: it is human, and has no Transform for any bone."""
-    program = play("body", "endpoint=tcp://127.0.0.1:9", "bones=hidden", "timeout=0.3")
-    program.wait_for("character has no bones in the scene: in its import settings untick Rig, Optimize Game Objects$")
+@pytest.mark.parametrize(
+    ("lacks", "said"),
+    [
+        # Unity hides them where Optimize Game Objects is ticked: it is human, and has no Transform for any bone.
+        (
+            "bones=hidden",
+            "character has no bones in the scene: in its import settings untick Rig, Optimize Game Objects",
+        ),
+        # In the editor, where one can drag a character into the field.
+        ("character=none", "PoseAvatar: drag a character into its field"),
+    ],
+)
+def test_what_an_avatar_lacks_is_said_once_with_its_cure(lacks: str, said: str, play: Callable[..., Program]) -> None:
+    program = play("body", "endpoint=tcp://127.0.0.1:9", lacks, "timeout=0.3")
     program.wait_for("^trouble: nothing from ")
+    assert sum(line.endswith(said) for line in program.lines) == 1, program.output
     assert "NullReference" not in program.output
-
-
-def test_an_avatar_without_a_character_says_so(play: Callable[..., Program]) -> None:
-    """Once, and where one can drag a character into the field: in the editor."""
-    program = play("body", "endpoint=tcp://127.0.0.1:9", "character=none", "timeout=0.3")
-    program.wait_for("^trouble: nothing from ")
-    assert program.lines.count("PoseAvatar: drag a character into its field") == 1, program.output
 
 
 def test_a_restart_of_the_server_makes_no_jump(

@@ -1,4 +1,4 @@
-"""What the editor shows of the clients, and says of a build: inspector, traffic, address, prefab, guards."""
+"""The editor shows the clients, and says what is wrong with a build: inspector, traffic, address, prefab, guards."""
 
 import re
 import shutil
@@ -67,7 +67,7 @@ def exchanged(drawn):
     return [line.split(" ", 2)[2] for line in drawn.splitlines() if re.match(r"\d\d:\d\d:\d\d\.\d{3} tcp://", line)]
 
 
-# What each lesson's client has sent or received in its first messages.
+# The first messages that each lesson's client sends and receives.
 SEEN = {
     "1": ("01_request_reply", "> Hello", "< World"),
     "2": ("02_lazy_pirate", r"> 1-\w+ \| add 1", r"< 1-\w+ \| 1"),
@@ -144,48 +144,45 @@ def test_one_asset_says_where_the_servers_are(editor, project, serve):
     unity.do(f"play 1 tcp://127.0.0.1:{port} 3")
     unity.play_until(f"asking beacon://lab:{port}")
     unity.do("stop")
-    # Whoever has written another machine's name meant it.
+    # Another machine's name was written on purpose.
     unity.do("play 1 tcp://127.0.0.2:9 3")
     unity.play_until("asking tcp://127.0.0.2:9")
     unity.do("stop")
 
 
 @pytest.mark.parametrize(
-    "words",
+    ("words", "said"),
     [
-        "--endpoint tcp://127.0.0.1:8 -x --endpoint=tcp://127.0.0.1:9",
-        "--HelloClient.endpoint tcp://127.0.0.1:9 --endpoint tcp://127.0.0.1:8",
+        # The last one, as in Python; or that of one class.
+        ("--endpoint tcp://127.0.0.1:8 -x --endpoint=tcp://127.0.0.1:9", "^asking tcp://127.0.0.1:9$"),
+        ("--HelloClient.endpoint tcp://127.0.0.1:9 --endpoint tcp://127.0.0.1:8", "^asking tcp://127.0.0.1:9$"),
+        ("--endpoint", "^Error: bad endpoint '': write it like "),
     ],
-    ids=["the last one, as in Python", "of one class"],
 )
-def test_a_build_takes_the_endpoint_from_its_command_line(words, editor, project):
+def test_a_build_takes_the_endpoint_from_its_command_line(words, said, editor, project):
     unity = editor(project, words=words.split())
     unity.do("play 1 tcp://127.0.0.1:5551 3")
-    unity.play_until("asking tcp://127.0.0.1:9")
+    unity.draw_until(said)
     unity.do("stop")
 
 
-def test_an_endpoint_option_without_an_endpoint_is_said(editor, project):
-    unity = editor(project, words=["--endpoint"])
-    unity.do("play 1 tcp://127.0.0.1:5551 3")
-    unity.draw_until("^Error: bad endpoint '': write it like ")
-    unity.do("stop")
+PLIST = (
+    '<?xml version="1.0" encoding="UTF-8"?>\n<plist version="1.0">\n<dict>\n\t<key>A</key>\n\t<dict>\n\t</dict>\n'
+    "</dict>\n</plist>\n"
+)
 
 
 def test_a_device_is_warned_of_what_cannot_work_there(editor, project, tmp_path):
     unity = editor(project)
     plist = tmp_path / "Info.plist"
-    before = (
-        '<?xml version="1.0" encoding="UTF-8"?>\n<plist version="1.0">\n<dict>\n\t<key>A</key>\n\t<dict>\n\t</dict>\n'
-    )
-    plist.write_text(before + "</dict>\n</plist>\n", encoding="utf-8")
+    plist.write_text(PLIST, encoding="utf-8")
     loopback = "HelloClient in scene Main asks 127.0.0.1, which on a device is the device itself"
     permission = "Android may refuse NetMQ the network: set Project Settings, Player, Other Settings, Internet Access"
     said = "\n".join(unity.do(f"build Android {tmp_path}"))
     assert said.count(loopback) == 1 and said.count(permission) == 1
     said = "\n".join(unity.do(f"build StandaloneLinux64 {tmp_path}"))
     assert loopback not in said and permission not in said
-    # What the linker is to read is there, also if the package is not in Assets.
+    # The linker finds its file even if the package is not in Assets.
     assert f"link: {project / 'Assets' / 'NetMQExample' / 'link.xml'}" in said
     for _ in range(2):
         said = "\n".join(unity.do(f"build iOS {tmp_path}"))
@@ -195,12 +192,9 @@ def test_a_device_is_warned_of_what_cannot_work_there(editor, project, tmp_path)
     unity.do("menu Tools/NetMQ Example/Server address")
     unity.do("host 192.168.1.20")
     assert loopback not in "\n".join(unity.do(f"build Android {tmp_path}"))
-    # Who has deleted the file can build all the same.
+    # The build goes on without the file.
     (project / "Assets" / "NetMQExample" / "link.xml.meta").unlink()
     assert "link: " in unity.do(f"build Android {tmp_path}")
-
-
-PLIST = '<?xml version="1.0" encoding="UTF-8"?>\n<plist version="1.0">\n<dict>\n\t<key>A</key>\n</dict>\n</plist>\n'
 
 
 def test_a_mac_asks_for_the_local_network(editor, project, tmp_path):
@@ -257,7 +251,7 @@ def test_the_menu_adds_the_prefab(editor, project):
 
 def test_clients_that_a_script_forgot_are_counted_once_after_stop(editor, project):
     unity = editor(project)
-    # What has ended a moment after Stop is nothing to speak of.
+    # A connection that ends a moment after Stop is not worth a line.
     unity.do("play 1 tcp://127.0.0.1:9 3")
     unity.do("forget 1")
     unity.do("stop")

@@ -22,7 +22,7 @@ from tests.programs import LIMIT, PATIENT, ROOT, Program, free_port, two_ports
 WINE = next(filter(None, map(shutil.which, ("wine64", "/usr/lib/wine/wine64", "wine"))), None)
 # A request at a time, pictures, areas of a game, keys, and a WebSocket.
 KEYS = ["01_request_reply", "08_see_and_steer", "10_many_agents", "15_security", "16_web_gateway"]
-# What most Stops take at the most, in milliseconds: far from the usual 60, and from one that waits for something.
+# Most Stops take at the most so many milliseconds: far from the usual 60, and from one that waits for something.
 STOP_LIMIT = 2000
 pytestmark = [
     pytest.mark.long,
@@ -82,7 +82,7 @@ def wine(programs, tmp_path_factory):
 @pytest.mark.parametrize("key", KEYS)
 def test_a_client(key, unity, wine, serve, tmp_path):
     endpoint = serve(key, endpoint=two_ports())[1]
-    # Whoever has many areas asks in none of them.
+    # The component that has many areas asks, and none of the areas.
     patient = () if unity and key.startswith("10") else PATIENT
     client = wine(
         "csharp-console.exe",

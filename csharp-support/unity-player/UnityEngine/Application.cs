@@ -18,7 +18,11 @@ namespace UnityEditor
 
 namespace UnityEngine
 {
-    public enum RuntimePlatform { OSXEditor = 0, OSXPlayer = 1, WindowsPlayer = 2, WindowsEditor = 7, LinuxPlayer = 13, LinuxEditor = 16 }
+    public enum RuntimePlatform
+    {
+        OSXEditor = 0, OSXPlayer = 1, WindowsPlayer = 2, WindowsEditor = 7, LinuxPlayer = 13, LinuxEditor = 16,
+    }
+
     public enum LogType { Error, Assert, Warning, Log, Exception }
 
     public class Application
@@ -36,9 +40,11 @@ namespace UnityEngine
         public static bool isMobilePlatform => Mobile;
         public static bool isPlaying => MainThread.Of("get_isPlaying", Playing);
         // Where the player was started; Unity has a folder of the user's for each game.
-        public static string persistentDataPath => MainThread.Of("get_persistentDataPath", Environment.CurrentDirectory);
+        public static string persistentDataPath =>
+            MainThread.Of("get_persistentDataPath", Environment.CurrentDirectory);
         public static string dataPath => MainThread.Of("get_dataPath", Environment.CurrentDirectory);
-        public static RuntimePlatform platform => RuntimeInformation.IsOSPlatform(OSPlatform.Windows) ? RuntimePlatform.WindowsPlayer
+        public static RuntimePlatform platform =>
+            RuntimeInformation.IsOSPlatform(OSPlatform.Windows) ? RuntimePlatform.WindowsPlayer
             : RuntimeInformation.IsOSPlatform(OSPlatform.OSX) ? RuntimePlatform.OSXPlayer : RuntimePlatform.LinuxPlayer;
 
         public static bool runInBackground
@@ -79,16 +85,24 @@ namespace UnityEngine
         public static int captureFramerate { get; set; }
         // In FixedUpdate both are those of the step.
         public static float time => (float)Checked("get_time", Fixed ?? Now);
-        public static float deltaTime => (float)Checked("get_deltaTime", Fixed == null ? OfThisFrame * timeScale : step);
+        public static float deltaTime =>
+            (float)Checked("get_deltaTime", Fixed == null ? OfThisFrame * timeScale : step);
         public static float unscaledTime => (float)Checked("get_unscaledTime", Unscaled);
         public static float unscaledDeltaTime => (float)Checked("get_unscaledDeltaTime", Elapsed);
         // A new project has a third of a second.
         public static float maximumDeltaTime => (float)Checked("get_maximumDeltaTime", 1 / 3.0);
-        public static float fixedDeltaTime { get => (float)Checked("get_fixedDeltaTime", step); set => step = Math.Max(value, 0.0001f); }
+        public static float fixedDeltaTime
+        {
+            get => (float)Checked("get_fixedDeltaTime", step);
+            set => step = Math.Max(value, 0.0001f);
+        }
         public static float realtimeSinceStartup => (float)Checked("get_realtimeSinceStartup", Clock());
         public static int frameCount => (int)Checked("get_frameCount", Frames);
-        private static double OfThisFrame => captureFramerate > 0 ? 1.0 / captureFramerate : Math.Min(Elapsed, maximumDeltaTime);
-        internal static void BackToNormal() => (timeScale, captureFramerate, step, Application.targetFrameRate, QualitySettings.VSyncs) = (1, 0, 0.02f, -1, 1);
+        private static double OfThisFrame =>
+            captureFramerate > 0 ? 1.0 / captureFramerate : Math.Min(Elapsed, maximumDeltaTime);
+        internal static void BackToNormal() =>
+            (timeScale, captureFramerate, step, Application.targetFrameRate, QualitySettings.VSyncs) =
+                (1, 0, 0.02f, -1, 1);
 
         private static double Checked(string api, double value)
         {
@@ -102,7 +116,8 @@ namespace UnityEngine
         // There is no window here: a small one is imagined.
         public static int width => 640;
         public static int height => 480;
-        public static void SetResolution(int width, int height, bool fullscreen) => MainThread.Only(nameof(SetResolution));
+        public static void SetResolution(int width, int height, bool fullscreen) =>
+            MainThread.Only(nameof(SetResolution));
     }
 
     public sealed class QualitySettings : Object
@@ -110,9 +125,14 @@ namespace UnityEngine
         private static int vSyncs = 1;
         private QualitySettings() { }
         // How many times the screen is drawn for each frame; 0: frames do not wait for it.
-        public static int vSyncCount { get => MainThread.Of("get_vSyncCount", vSyncs); set => vSyncs = MainThread.Of("set_vSyncCount", value); }
+        public static int vSyncCount
+        {
+            get => MainThread.Of("get_vSyncCount", vSyncs);
+            set => vSyncs = MainThread.Of("set_vSyncCount", value);
+        }
         internal static int VSyncs { get => vSyncs; set => vSyncs = value; }
-        public static void SetQualityLevel(int index, bool applyExpensiveChanges) => MainThread.Only(nameof(SetQualityLevel));
+        public static void SetQualityLevel(int index, bool applyExpensiveChanges) =>
+            MainThread.Only(nameof(SetQualityLevel));
     }
 
     /// <summary>The log. Unlike most of Unity it may be called on any thread.</summary>
@@ -150,7 +170,10 @@ namespace UnityEngine
         internal static void SayRepeated()
         {
             foreach (var one in Thrown.Where(one => one.Value > 1))
-                Console.Error.WriteLine($"{one.Value - 1} times more: {string.Join(" ", one.Key.Split('\n').Take(2).Select(line => line.Trim()))}");
+            {
+                var begin = one.Key.Split('\n').Take(2).Select(line => line.Trim());
+                Console.Error.WriteLine($"{one.Value - 1} times more: {string.Join(" ", begin)}");
+            }
             Thrown.Clear();
         }
 
@@ -166,7 +189,8 @@ namespace UnityEngine
         public static void DrawLine(Vector3 start, Vector3 end, Color color) { }
         public static void DrawRay(Vector3 start, Vector3 dir) { }
         public static void DrawRay(Vector3 start, Vector3 dir, Color color) { }
-        private static string Formatted(string format, object[] args) => string.Format(System.Globalization.CultureInfo.InvariantCulture, format, args);
+        private static string Formatted(string format, object[] args) =>
+            string.Format(System.Globalization.CultureInfo.InvariantCulture, format, args);
 
         private static void Fail(object message, LogType type)
         {
@@ -179,12 +203,15 @@ namespace UnityEngine
             var text = Text(message);
             where.WriteLine(text);
             // A sleep would be longer than asked for.
-            var end = System.Diagnostics.Stopwatch.GetTimestamp() + (Cost.TotalSeconds * System.Diagnostics.Stopwatch.Frequency);
+            var end = System.Diagnostics.Stopwatch.GetTimestamp()
+                + (Cost.TotalSeconds * System.Diagnostics.Stopwatch.Frequency);
             while (System.Diagnostics.Stopwatch.GetTimestamp() < end) { }
             Application.SayLogged(text, type);
         }
 
         private static string Text(object message) =>
-            message is IFormattable number ? number.ToString(null, System.Globalization.CultureInfo.InvariantCulture) : message?.ToString() ?? "Null";
+            message is IFormattable number
+                ? number.ToString(null, System.Globalization.CultureInfo.InvariantCulture)
+                : message?.ToString() ?? "Null";
     }
 }

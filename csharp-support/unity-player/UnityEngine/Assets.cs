@@ -12,7 +12,8 @@ namespace UnityEngine
         {
             MainThread.Only("CreateScriptableObjectInstanceFromType");
             var made = (T)Activator.CreateInstance(typeof(T));
-            typeof(T).GetMethod("OnEnable", BindingFlags.Instance | BindingFlags.Public | BindingFlags.NonPublic)?.Invoke(made, null);
+            typeof(T).GetMethod("OnEnable",
+                BindingFlags.Instance | BindingFlags.Public | BindingFlags.NonPublic)?.Invoke(made, null);
             return made;
         }
     }

@@ -10,7 +10,7 @@ namespace UnityEngine.Rendering
         private readonly Readback work;
         private readonly int number;
         internal AsyncGPUReadbackRequest(Readback work) => (this.work, number) = (work, work.Number);
-        // What is over is done, with an error: so a script that did not look in time learns of it.
+        // A request that is over is done, with an error: so a script that did not look in time learns of it.
         public bool done => work == null || work.Number != number || work.Left <= 0;
         public bool hasError => work == null || work.Number != number || work.Failed;
 
@@ -19,7 +19,8 @@ namespace UnityEngine.Rendering
             MainThread.Only(nameof(GetData));
             if (!done || hasError) throw new InvalidOperationException("Cannot access the data as it is not available");
             if (layer != 0) throw new ArgumentException($"Layer index is out of range {layer} / 1");
-            return new NativeArray<T>(work.Pixels as T[] ?? throw new NotSupportedException("the player has only bytes"));
+            return new NativeArray<T>(work.Pixels as T[]
+                ?? throw new NotSupportedException("the player has only bytes"));
         }
 
         public void WaitForCompletion()
@@ -36,12 +37,17 @@ namespace UnityEngine.Rendering
         /// <summary>So many of the next requests end with an error.</summary>
         internal static int ToFail { get; set; }
 
-        public static AsyncGPUReadbackRequest Request(Texture src, int mipIndex, TextureFormat dstFormat, Action<AsyncGPUReadbackRequest> callback = null)
+        public static AsyncGPUReadbackRequest Request(
+            Texture src, int mipIndex, TextureFormat dstFormat, Action<AsyncGPUReadbackRequest> callback = null)
         {
             MainThread.Only(nameof(Request));
-            if (!(src is RenderTexture texture) || mipIndex != 0 || dstFormat != TextureFormat.RGBA32 || callback != null)
-                throw new NotSupportedException("the player reads only render textures, as RGBA32, and calls nobody back");
-            var work = Idle.Count > 0 && Idle.Peek().Pixels.Length == texture.Pixels.Length ? Idle.Pop() : new Readback(texture.Pixels.Length);
+            if (!(src is RenderTexture texture) || mipIndex != 0 || dstFormat != TextureFormat.RGBA32
+                || callback != null)
+                throw new NotSupportedException(
+                    "the player reads only render textures, as RGBA32, and calls nobody back");
+            var work = Idle.Count > 0 && Idle.Peek().Pixels.Length == texture.Pixels.Length
+                ? Idle.Pop()
+                : new Readback(texture.Pixels.Length);
             Camera.Rendering.Start();
             Buffer.BlockCopy(texture.Pixels, 0, work.Pixels, 0, work.Pixels.Length);
             Camera.Rendering.Stop();

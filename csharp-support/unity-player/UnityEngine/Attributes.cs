@@ -8,48 +8,70 @@ namespace UnityEngine
     public sealed class SerializeField : Attribute { }
     public sealed class HideInInspector : Attribute { }
     public abstract class PropertyAttribute : Attribute { }
-    public class TooltipAttribute : PropertyAttribute { public readonly string tooltip; public TooltipAttribute(string tooltip) => this.tooltip = tooltip; }
+
+    public class TooltipAttribute : PropertyAttribute
+    {
+        public TooltipAttribute(string tooltip) { }
+    }
 
     // Properties too only since Unity 6; the lessons are for 2022.3 as well.
     [AttributeUsage(AttributeTargets.Field, AllowMultiple = true)]
-    public class HeaderAttribute : PropertyAttribute { public readonly string header; public HeaderAttribute(string header) => this.header = header; }
+    public class HeaderAttribute : PropertyAttribute
+    {
+        public HeaderAttribute(string header) { }
+    }
 
     [AttributeUsage(AttributeTargets.Field, AllowMultiple = true)]
     public class SpaceAttribute : PropertyAttribute
     {
-        public readonly float height;
-        public SpaceAttribute() : this(8) { }
-        public SpaceAttribute(float height) => this.height = height;
+        public SpaceAttribute(float height = 8) { }
     }
 
     [AttributeUsage(AttributeTargets.Field)]
     public sealed class TextAreaAttribute : PropertyAttribute
     {
-        public readonly int minLines, maxLines;
-        public TextAreaAttribute() : this(3, 3) { }
-        public TextAreaAttribute(int minLines, int maxLines) => (this.minLines, this.maxLines) = (minLines, maxLines);
+        public TextAreaAttribute() { }
+        public TextAreaAttribute(int minLines, int maxLines) { }
     }
 
     [AttributeUsage(AttributeTargets.Field)]
     public sealed class RangeAttribute : PropertyAttribute
     {
-        public readonly float min, max;
-        public RangeAttribute(float min, float max) => (this.min, this.max) = (min, max);
+        public RangeAttribute(float min, float max) { }
     }
 
     [AttributeUsage(AttributeTargets.Field)]
-    public sealed class MinAttribute : PropertyAttribute { public readonly float min; public MinAttribute(float min) => this.min = min; }
+    public sealed class MinAttribute : PropertyAttribute
+    {
+        public readonly float min;
+        public MinAttribute(float min) => this.min = min;
+    }
 
     [AttributeUsage(AttributeTargets.Class, AllowMultiple = true)]
-    public sealed class RequireComponent : Attribute { public Type m_Type0; public RequireComponent(Type requiredComponent) => m_Type0 = requiredComponent; }
-    public sealed class AddComponentMenu : Attribute { public AddComponentMenu(string menuName) => componentMenu = menuName; public string componentMenu { get; } }
+    public sealed class RequireComponent : Attribute
+    {
+        public Type m_Type0;
+        public RequireComponent(Type requiredComponent) => m_Type0 = requiredComponent;
+    }
+
+    public sealed class AddComponentMenu : Attribute
+    {
+        public AddComponentMenu(string menuName) { }
+    }
 
     [AttributeUsage(AttributeTargets.Method)]
-    public sealed class ContextMenu : Attribute { public readonly string menuItem; public ContextMenu(string itemName) => menuItem = itemName; }
+    public sealed class ContextMenu : Attribute
+    {
+        public ContextMenu(string itemName) { }
+    }
 
     [AttributeUsage(AttributeTargets.Class, Inherited = false)]
     public sealed class DisallowMultipleComponent : Attribute { }
-    public enum RuntimeInitializeLoadType { AfterSceneLoad, BeforeSceneLoad, AfterAssembliesLoaded, BeforeSplashScreen, SubsystemRegistration }
+
+    public enum RuntimeInitializeLoadType
+    {
+        AfterSceneLoad, BeforeSceneLoad, AfterAssembliesLoaded, BeforeSplashScreen, SubsystemRegistration,
+    }
 
     [AttributeUsage(AttributeTargets.Method)]
     public class RuntimeInitializeOnLoadMethodAttribute : Scripting.PreserveAttribute

@@ -1,4 +1,4 @@
-// What is seen: cubes of one colour each, and cameras that look at them when they are told to.
+// A scene shows cubes of one colour each, and cameras look at them when they are told to.
 using System;
 
 namespace UnityEngine.Rendering
@@ -74,7 +74,8 @@ namespace UnityEngine
 
     public class RenderTexture : Texture
     {
-        public RenderTexture(int width, int height, int depth, RenderTextureFormat format, RenderTextureReadWrite readWrite)
+        public RenderTexture(
+            int width, int height, int depth, RenderTextureFormat format, RenderTextureReadWrite readWrite)
         {
             MainThread.Only("Internal_Create");
             this.width = width;
@@ -100,7 +101,9 @@ namespace UnityEngine
             {
                 MainThread.Only("get_main");
                 foreach (var thing in LoadedScene.Objects)
-                    if (thing.tag == "MainCamera" && thing.GetComponent<Camera>() is Camera camera && camera.isActiveAndEnabled) return camera;
+                    if (thing.tag == "MainCamera" && thing.GetComponent<Camera>() is Camera camera
+                        && camera.isActiveAndEnabled)
+                        return camera;
                 return null;
             }
         }
@@ -120,7 +123,8 @@ namespace UnityEngine
             MainThread.Only(nameof(CopyFrom));
             transform.SetPositionAndRotation(other.transform.position, other.transform.rotation);
             (fieldOfView, nearClipPlane, farClipPlane) = (other.fieldOfView, other.nearClipPlane, other.farClipPlane);
-            (clearFlags, backgroundColor, targetTexture) = (other.clearFlags, other.backgroundColor, other.targetTexture);
+            (clearFlags, backgroundColor, targetTexture) = (other.clearFlags, other.backgroundColor,
+                other.targetTexture);
             cullingMask = other.cullingMask;
         }
 
@@ -140,7 +144,8 @@ namespace UnityEngine
         internal static bool NoReadback { get; set; }
         /// <summary>Some graphics cards keep what a camera has rendered with the highest row first.</summary>
         internal static bool TopRowFirst { get; set; }
-        public static GraphicsDeviceType graphicsDeviceType => NoGraphics ? GraphicsDeviceType.Null : GraphicsDeviceType.OpenGLCore;
+        public static GraphicsDeviceType graphicsDeviceType =>
+            NoGraphics ? GraphicsDeviceType.Null : GraphicsDeviceType.OpenGLCore;
         public static bool supportsAsyncGPUReadback => !NoGraphics && !NoReadback;
     }
 }

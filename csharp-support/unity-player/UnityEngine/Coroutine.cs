@@ -9,7 +9,11 @@ namespace UnityEngine
     public sealed class WaitForEndOfFrame : YieldInstruction { }
     public sealed class WaitForFixedUpdate : YieldInstruction { }
 
-    public sealed class WaitForSeconds : YieldInstruction { internal readonly float Seconds; public WaitForSeconds(float seconds) => Seconds = seconds; }
+    public sealed class WaitForSeconds : YieldInstruction
+    {
+        internal readonly float Seconds;
+        public WaitForSeconds(float seconds) => Seconds = seconds;
+    }
 
     public abstract class CustomYieldInstruction : IEnumerator
     {
@@ -76,17 +80,18 @@ namespace UnityEngine
             Advance();
         }
 
-        /// <summary>Goes on with those that wait for this moment of the frame: that of WaitForFixedUpdate, that of WaitForEndOfFrame, or
-        /// null, after Update.</summary>
+        /// <summary>Goes on with those that wait for this moment of the frame: that of WaitForFixedUpdate, that of
+        /// WaitForEndOfFrame, or null, after Update.</summary>
         internal static void Run(Type moment)
         {
-            // What is started meanwhile has run already.
+            // Coroutines that are started meanwhile have run already.
             for (int i = 0, count = All.Count; i < count; i++)
                 if (All[i].Ready(moment)) All[i].Advance();
             All.RemoveAll(one => one.over);
         }
 
-        /// <summary>Ends an owner's coroutines, or what it has invoked: all, or those with this name, routine or handle.</summary>
+        /// <summary>Ends an owner's coroutines, or what it has invoked: all, or those with this name, routine or
+        /// handle.</summary>
         internal static void Stop(MonoBehaviour owner, bool invoked, object key = null)
         {
             foreach (var one in All)
@@ -109,7 +114,8 @@ namespace UnityEngine
         }
 
         private bool Is(MonoBehaviour owner, bool invoked, object key) =>
-            !over && this.owner == owner && this.invoked == invoked && (key == null || Equals(this.key, key) || ReferenceEquals(this, key));
+            !over && this.owner == owner && this.invoked == invoked
+                && (key == null || Equals(this.key, key) || ReferenceEquals(this, key));
 
         private bool Ready(Type moment)
         {

@@ -5,7 +5,8 @@ namespace UnityEngine
 {
     public struct Rect
     {
-        public Rect(float x, float y, float width, float height) => (this.x, this.y, this.width, this.height) = (x, y, width, height);
+        public Rect(float x, float y, float width, float height) =>
+            (this.x, this.y, this.width, this.height) = (x, y, width, height);
         public float x { get; set; }
         public float y { get; set; }
         public float width { get; set; }
@@ -52,7 +53,8 @@ namespace UnityEngine
         public static bool Button(string text, params GUILayoutOption[] options) => GUI.Pressed(text);
         public static bool Toggle(bool value, string text, params GUILayoutOption[] options) => value;
         public static string TextField(string text, params GUILayoutOption[] options) => text;
-        public static float HorizontalSlider(float value, float leftValue, float rightValue, params GUILayoutOption[] options) => value;
+        public static float HorizontalSlider(
+            float value, float leftValue, float rightValue, params GUILayoutOption[] options) => value;
     }
 
     public sealed class TextMesh : Component

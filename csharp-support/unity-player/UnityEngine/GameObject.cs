@@ -25,14 +25,17 @@ namespace UnityEngine
         public string tag { get; set; } = "Untagged";
         public int layer { get; set; }
         public bool activeSelf => active;
-        public bool activeInHierarchy => active && (transform?.Above == null || transform.Above.Owner.activeInHierarchy);
+        public bool activeInHierarchy =>
+            active && (transform?.Above == null || transform.Above.Owner.activeInHierarchy);
         public bool CompareTag(string tag) => this.tag == tag;
 
-        /// <summary>An active one, by its name or by the names above it as well, such as Arm/Hand, and with / before those of a root.</summary>
+        /// <summary>An active one, by its name or by the names above it as well, such as Arm/Hand, and with / before
+        /// those of a root.</summary>
         public static GameObject Find(string name)
         {
             MainThread.Only(nameof(Find));
-            return LoadedScene.Active.FirstOrDefault(one => name.StartsWith("/", StringComparison.Ordinal) ? one.Path == name
+            return LoadedScene.Active.FirstOrDefault(
+                one => name.StartsWith("/", StringComparison.Ordinal) ? one.Path == name
                 : one.Path.EndsWith($"/{name}", StringComparison.Ordinal));
         }
 
@@ -102,7 +105,8 @@ namespace UnityEngine
         public T GetComponentInChildren<T>() => GetComponentsInChildren<T>().FirstOrDefault();
         public T[] GetComponentsInChildren<T>() => GetComponentsInChildren<T>(false);
         public T[] GetComponentsInChildren<T>(bool includeInactive) => transform.All
-            .Where(one => includeInactive || one.Owner.activeInHierarchy).SelectMany(one => one.Owner.Components).OfType<T>().ToArray();
+            .Where(one => includeInactive || one.Owner.activeInHierarchy).SelectMany(one => one.Owner.Components)
+            .OfType<T>().ToArray();
 
         public T GetComponentInParent<T>()
         {
@@ -144,7 +148,8 @@ namespace UnityEngine
         public T GetComponentInChildren<T>() => Owner.GetComponentInChildren<T>();
         public T GetComponentInParent<T>() => Owner.GetComponentInParent<T>();
         public T[] GetComponentsInChildren<T>() => Owner.GetComponentsInChildren<T>();
-        public T[] GetComponentsInChildren<T>(bool includeInactive) => Owner.GetComponentsInChildren<T>(includeInactive);
+        public T[] GetComponentsInChildren<T>(bool includeInactive) =>
+            Owner.GetComponentsInChildren<T>(includeInactive);
     }
 
     public class Behaviour : Component
@@ -162,7 +167,8 @@ namespace UnityEngine
             }
         }
 
-        public bool isActiveAndEnabled => MainThread.Of("get_isActiveAndEnabled", !Destroyed && on && Owner.activeInHierarchy);
+        public bool isActiveAndEnabled =>
+            MainThread.Of("get_isActiveAndEnabled", !Destroyed && on && Owner.activeInHierarchy);
     }
 
     /// <summary>Every game object there is.</summary>
@@ -174,7 +180,8 @@ namespace UnityEngine
         public static List<(Object Thing, double Due)> Destroyed { get; } = new List<(Object, double)>();
         /// <summary>The objects that stay when a scene is left.</summary>
         public static HashSet<GameObject> Kept { get; } = new HashSet<GameObject>();
-        /// <summary>Materials and textures that a script has made and not destroyed, which Unity keeps when a scene is left.</summary>
+        /// <summary>Materials and textures that a script has made and not destroyed, which Unity keeps when a scene is
+        /// left.</summary>
         public static HashSet<Object> Made { get; } = new HashSet<Object>();
 
         public static void Remove(Object thing)

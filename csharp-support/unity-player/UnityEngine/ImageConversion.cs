@@ -31,7 +31,8 @@ namespace UnityEngine
         }
 
         /// <summary>The texture gets the picture's size, and what was in it is gone.</summary>
-        /// <returns>False if these bytes are no picture: nothing has changed then, where Unity shows a question mark.</returns>
+        /// <returns>False if these bytes are no picture: nothing has changed then, where Unity shows a question
+        /// mark.</returns>
         public static bool LoadImage(this Texture2D tex, byte[] data)
         {
             MainThread.Only(nameof(LoadImage));
@@ -49,9 +50,11 @@ namespace UnityEngine
         private static bool IsJpeg(byte[] data) => data.Length > 1 && data[0] == 0xff && data[1] == 0xd8;
 
         // On any thread.
-        public static byte[] EncodeArrayToJPG(Array array, GraphicsFormat format, uint width, uint height, uint rowBytes = 0, int quality = 75)
+        public static byte[] EncodeArrayToJPG(
+            Array array, GraphicsFormat format, uint width, uint height, uint rowBytes = 0, int quality = 75)
         {
-            if (array.Length != width * height * (int)format || rowBytes != 0) throw new ArgumentException("the array is not of this size");
+            if (array.Length != width * height * (int)format || rowBytes != 0)
+                throw new ArgumentException("the array is not of this size");
             return Encode((byte[])array, (int)width, (int)height, quality);
         }
 

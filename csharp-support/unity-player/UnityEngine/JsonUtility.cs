@@ -22,7 +22,9 @@ namespace UnityEngine
             if (obj == null) return "";
             if (IsEngines(obj)) throw new ArgumentException("JsonUtility.ToJson does not support engine types.");
             var end = prettyPrint ? "\n" : null;
-            return Inspector.Item(obj.GetType()) != null || obj is string || obj.GetType().IsPrimitive ? "{}" : Written(obj, obj.GetType(), end);
+            return Inspector.Item(obj.GetType()) != null || obj is string || obj.GetType().IsPrimitive
+                ? "{}"
+                : Written(obj, obj.GetType(), end);
         }
 
         public static T FromJson<T>(string json) => (T)FromJson(json, typeof(T));
@@ -30,7 +32,8 @@ namespace UnityEngine
         public static object FromJson(string json, Type type)
         {
             if (string.IsNullOrEmpty(json)) return null;
-            if (type.IsAbstract || typeof(Object).IsAssignableFrom(type)) throw new ArgumentException($"Cannot deserialize JSON to new instances of type '{type.Name}.'");
+            if (type.IsAbstract || typeof(Object).IsAssignableFrom(type))
+                throw new ArgumentException($"Cannot deserialize JSON to new instances of type '{type.Name}.'");
             var made = Activator.CreateInstance(type);
             Fill(made, Values(json));
             return made;
@@ -44,10 +47,12 @@ namespace UnityEngine
             Fill(objectToOverwrite, Values(json));
         }
 
-        private static bool IsEngines(object obj) => obj is Object && !(obj is MonoBehaviour) && !(obj is ScriptableObject);
+        private static bool IsEngines(object obj) =>
+            obj is Object && !(obj is MonoBehaviour) && !(obj is ScriptableObject);
 
         private static Dictionary<string, object> Values(string json) =>
-            Reader.Read(json) as Dictionary<string, object> ?? throw new ArgumentException("JSON must represent an object type.");
+            Reader.Read(json) as Dictionary<string, object>
+                ?? throw new ArgumentException("JSON must represent an object type.");
 
         // Each item on a line of its own begins with `end`, as do the brackets around them; null: all in one line.
         private static string Written(object value, Type type, string end, int depth = 0)
@@ -55,19 +60,26 @@ namespace UnityEngine
             if (type == typeof(string)) return $"\"{Regex.Replace((string)value ?? "", "[\\p{Cc}\"\\\\]", Escaped)}\"";
             if (type == typeof(bool)) return (bool)value ? "true" : "false";
             if (type.IsEnum) return Convert.ToInt64(value).ToString(CultureInfo.InvariantCulture);
-            if (type == typeof(float) || type == typeof(double)) return Regex.Replace(((IFormattable)value).ToString("R", CultureInfo.InvariantCulture), "^-?\\d+$", "$0.0");
+            if (type == typeof(float) || type == typeof(double))
+                return Regex.Replace(((IFormattable)value).ToString("R", CultureInfo.InvariantCulture), "^-?\\d+$",
+                    "$0.0");
             if (type.IsPrimitive) return ((IFormattable)value).ToString("D", CultureInfo.InvariantCulture);
             var next = end == null ? null : $"{end}    ";
             if (Inspector.Item(type) is Type item)
-                return Brackets("[]", end, ((IEnumerable)value ?? Array.Empty<object>()).Cast<object>().Select(each => Written(each, item, next, depth)));
+                return Brackets("[]", end,
+                    ((IEnumerable)value ?? Array.Empty<object>()).Cast<object>()
+                        .Select(each => Written(each, item, next, depth)));
             value ??= Activator.CreateInstance(type);
             var fields = depth < Deepest ? Fields(type) : new FieldInfo[0];
+            var space = end == null ? "" : " ";
             return Brackets("{}", end, fields.Select(field =>
-                $"\"{field.Name}\":{(end == null ? "" : " ")}{Written(field.GetValue(value), field.FieldType, next, depth + 1)}"));
+                $"\"{field.Name}\":{space}{Written(field.GetValue(value), field.FieldType, next, depth + 1)}"));
         }
 
-        private static string Brackets(string pair, string end, IEnumerable<string> items) => end == null || !items.Any()
-            ? $"{pair[0]}{string.Join(",", items)}{pair[1]}" : $"{pair[0]}{end}    {string.Join($",{end}    ", items)}{end}{pair[1]}";
+        private static string Brackets(string pair, string end, IEnumerable<string> items) =>
+            end == null || !items.Any()
+                ? $"{pair[0]}{string.Join(",", items)}{pair[1]}"
+                : $"{pair[0]}{end}    {string.Join($",{end}    ", items)}{end}{pair[1]}";
 
         private static string Escaped(Match sign) => sign.Value switch
         {
@@ -80,13 +92,15 @@ namespace UnityEngine
         private static void Fill(object target, Dictionary<string, object> values)
         {
             foreach (var field in Fields(target.GetType()))
-                if (values.TryGetValue(field.Name, out var value) && value != null) field.SetValue(target, As(value, field.FieldType, field.GetValue(target)));
+                if (values.TryGetValue(field.Name, out var value) && value != null)
+                    field.SetValue(target, As(value, field.FieldType, field.GetValue(target)));
         }
 
         private static object As(object value, Type type, object before)
         {
             if (type.IsEnum) return Enum.ToObject(type, value);
-            if (type.IsPrimitive || type == typeof(string)) return Convert.ChangeType(value, type, CultureInfo.InvariantCulture);
+            if (type.IsPrimitive || type == typeof(string))
+                return Convert.ChangeType(value, type, CultureInfo.InvariantCulture);
             if (Inspector.Item(type) is Type item)
             {
                 var items = (List<object>)value;
@@ -99,9 +113,12 @@ namespace UnityEngine
             return before;
         }
 
-        // A component of one's own is written as well, and what it holds of Unity's only in Unity. A base class comes first.
-        private static IEnumerable<FieldInfo> Fields(Type type) => !Inspector.IsPlain(type) && !typeof(Object).IsAssignableFrom(type) ? new FieldInfo[0]
-            : Inspector.Fields(type).Where(field => Inspector.IsPlain(Inspector.Item(field.FieldType) ?? field.FieldType))
+        // A component of one's own is written as well, and what it holds of Unity's only in Unity. A base class comes
+        // first.
+        private static IEnumerable<FieldInfo> Fields(Type type) =>
+            !Inspector.IsPlain(type) && !typeof(Object).IsAssignableFrom(type) ? new FieldInfo[0]
+            : Inspector.Fields(type)
+                .Where(field => Inspector.IsPlain(Inspector.Item(field.FieldType) ?? field.FieldType))
                 .GroupBy(field => field.DeclaringType).Reverse().SelectMany(fields => fields);
 
         /// <summary>Objects as dictionaries, arrays as lists, numbers as long or double.</summary>
@@ -111,7 +128,8 @@ namespace UnityEngine
 
             private Reader(string json)
             {
-                var found = Regex.Matches(json ?? "", "\\G\\s*([{}\\[\\]:,]|\"(?:[^\"\\\\]|\\\\.)*\"|-?\\d[-+.\\w]*|true|false|null)\\s*");
+                var found = Regex.Matches(json ?? "",
+                    "\\G\\s*([{}\\[\\]:,]|\"(?:[^\"\\\\]|\\\\.)*\"|-?\\d[-+.\\w]*|true|false|null)\\s*");
                 if (found.Sum(token => token.Length) != (json ?? "").Length) throw Wrong();
                 tokens = new Queue<string>(found.Select(token => token.Groups[1].Value));
             }
@@ -132,12 +150,16 @@ namespace UnityEngine
                 var token = Next();
                 if (token == "[") return All("]", Value);
                 if (token == "{")
-                    return All("}", () => (name: Text(Next()), value: Next() == ":" ? Value() : throw Wrong())).GroupBy(pair => pair.name).ToDictionary(pairs => pairs.Key, pairs => pairs.Last().value);
+                    return All("}", () => (name: Text(Next()), value: Next() == ":" ? Value() : throw Wrong()))
+                        .GroupBy(pair => pair.name).ToDictionary(pairs => pairs.Key, pairs => pairs.Last().value);
                 if (token == "null") return null;
                 if (token[0] == '"') return Text(token);
                 if (bool.TryParse(token, out var yes)) return yes;
-                if (long.TryParse(token, NumberStyles.AllowLeadingSign, CultureInfo.InvariantCulture, out var whole)) return whole;
-                return double.TryParse(token, NumberStyles.Float, CultureInfo.InvariantCulture, out var number) ? number : throw Wrong();
+                if (long.TryParse(token, NumberStyles.AllowLeadingSign, CultureInfo.InvariantCulture, out var whole))
+                    return whole;
+                return double.TryParse(token, NumberStyles.Float, CultureInfo.InvariantCulture, out var number)
+                    ? number
+                    : throw Wrong();
             }
 
             private List<T> All<T>(string end, Func<T> next)
@@ -150,7 +172,10 @@ namespace UnityEngine
                 return all;
             }
 
-            private static string Text(string token) => token[0] != '"' ? throw Wrong() : Regex.Replace(token.Substring(1, token.Length - 2), @"\\(u....|.)", sign => sign.Value[1] switch
+            private static string Text(string token) =>
+                token[0] != '"'
+                    ? throw Wrong()
+                    : Regex.Replace(token.Substring(1, token.Length - 2), @"\\(u....|.)", sign => sign.Value[1] switch
             {
                 'u' => ((char)Convert.ToInt32(sign.Value.Substring(2), 16)).ToString(),
                 'n' => "\n",

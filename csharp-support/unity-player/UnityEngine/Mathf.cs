@@ -45,11 +45,13 @@ namespace UnityEngine
         public static int FloorToInt(float f) => (int)Floor(f);
         public static int CeilToInt(float f) => (int)Ceil(f);
         public static int RoundToInt(float f) => (int)Round(f);
-        public static bool Approximately(float a, float b) => Abs(b - a) < Max(0.000001f * Max(Abs(a), Abs(b)), Epsilon * 8);
+        public static bool Approximately(float a, float b) =>
+            Abs(b - a) < Max(0.000001f * Max(Abs(a), Abs(b)), Epsilon * 8);
         public static float Lerp(float a, float b, float t) => LerpUnclamped(a, b, Clamp01(t));
         public static float LerpUnclamped(float a, float b, float t) => a + t * (b - a);
         public static float LerpAngle(float a, float b, float t) => a + DeltaAngle(a, b) * Clamp01(t);
-        public static float SmoothStep(float from, float to, float t) => Lerp(from, to, Clamp01(t) * Clamp01(t) * (3 - 2 * Clamp01(t)));
+        public static float SmoothStep(float from, float to, float t) =>
+            Lerp(from, to, Clamp01(t) * Clamp01(t) * (3 - 2 * Clamp01(t)));
         public static float InverseLerp(float a, float b, float value) => a == b ? 0 : Clamp01((value - a) / (b - a));
         public static float MoveTowards(float current, float target, float maxDelta) =>
             Abs(target - current) <= maxDelta ? target : current + Sign(target - current) * maxDelta;
@@ -71,11 +73,14 @@ namespace UnityEngine
         public static void InitState(int seed) => source = new System.Random(seed);
         public static Vector3 onUnitSphere => rotation * Vector3.forward;
         public static Vector3 insideUnitSphere => onUnitSphere * Mathf.Pow(value, 1 / 3f);
-        public static Vector2 insideUnitCircle => Quaternion.AngleAxis(value * 360, Vector3.forward) * Vector3.up * Mathf.Sqrt(value);
+        public static Vector2 insideUnitCircle =>
+            Quaternion.AngleAxis(value * 360, Vector3.forward) * Vector3.up * Mathf.Sqrt(value);
         /// <summary>Each direction is as likely as any other.</summary>
-        public static Quaternion rotation => Quaternion.Euler(Mathf.Asin(Range(-1f, 1f)) * Mathf.Rad2Deg, value * 360, value * 360);
+        public static Quaternion rotation =>
+            Quaternion.Euler(Mathf.Asin(Range(-1f, 1f)) * Mathf.Rad2Deg, value * 360, value * 360);
         /// <summary>Both ends included.</summary>
-        public static float Range(float minInclusive, float maxInclusive) => Mathf.Lerp(minInclusive, maxInclusive, value);
+        public static float Range(float minInclusive, float maxInclusive) =>
+            Mathf.Lerp(minInclusive, maxInclusive, value);
         /// <summary>The second end excluded.</summary>
         public static int Range(int minInclusive, int maxExclusive) => source.Next(minInclusive, maxExclusive);
     }

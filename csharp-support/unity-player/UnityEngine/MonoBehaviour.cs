@@ -9,31 +9,37 @@ namespace UnityEngine
 {
     public class MonoBehaviour : Behaviour
     {
-        private const BindingFlags Own = BindingFlags.Instance | BindingFlags.Public | BindingFlags.NonPublic | BindingFlags.DeclaredOnly;
+        private const BindingFlags Own = BindingFlags.Instance | BindingFlags.Public | BindingFlags.NonPublic
+            | BindingFlags.DeclaredOnly;
         private readonly CancellationTokenSource destroyed = new CancellationTokenSource();
         private readonly Dictionary<string, Action> messages = new Dictionary<string, Action>();
         private bool argument, awoken, running, started;
         public bool useGUILayout { get; set; } = true;
         public CancellationToken destroyCancellationToken => destroyed.Token;
         public static void print(object message) => Debug.Log(message);
-        public Coroutine StartCoroutine(IEnumerator routine) => Begin(routine, routine ?? throw new NullReferenceException("routine is null"));
+        public Coroutine StartCoroutine(IEnumerator routine) =>
+            Begin(routine, routine ?? throw new NullReferenceException("routine is null"));
         public Coroutine StartCoroutine(string methodName) => StartCoroutine(methodName, null);
         public Coroutine StartCoroutine(string methodName, object value)
         {
             var values = value == null ? Array.Empty<object>() : new[] { value };
-            return Method(methodName, values.Length)?.Invoke(this, values) is IEnumerator routine ? Begin(methodName, routine)
+            return Method(methodName, values.Length)?.Invoke(this, values) is IEnumerator routine
+                ? Begin(methodName, routine)
                 : Refused($"Coroutine '{methodName}' couldn't be started!");
         }
 
         public void StopCoroutine(string methodName) => Coroutine.Stop(this, false, methodName);
-        public void StopCoroutine(IEnumerator routine) => Coroutine.Stop(this, false, routine ?? throw new NullReferenceException("routine is null"));
-        public void StopCoroutine(Coroutine routine) => Coroutine.Stop(this, false, routine ?? throw new NullReferenceException("routine is null"));
+        public void StopCoroutine(IEnumerator routine) =>
+            Coroutine.Stop(this, false, routine ?? throw new NullReferenceException("routine is null"));
+        public void StopCoroutine(Coroutine routine) =>
+            Coroutine.Stop(this, false, routine ?? throw new NullReferenceException("routine is null"));
         public void StopAllCoroutines() => Coroutine.Stop(this, false);
         public void Invoke(string methodName, float time) => InvokeRepeating(methodName, time, 0);
         public void InvokeRepeating(string methodName, float time, float repeatRate)
         {
             MainThread.Only(nameof(Invoke));
-            if (repeatRate <= 0.00001f && repeatRate != 0) throw new UnityException("Invoke repeat rate has to be larger than 0.00001F");
+            if (repeatRate <= 0.00001f && repeatRate != 0)
+                throw new UnityException("Invoke repeat rate has to be larger than 0.00001F");
             _ = new Coroutine(this, methodName, Coroutine.Calls(this, methodName, time, repeatRate), true);
         }
 
@@ -96,7 +102,8 @@ namespace UnityEngine
         /// <summary>Calls what was invoked.</summary>
         internal void Call(string method)
         {
-            if (Method(method, 0) == null) Debug.LogError($"Trying to Invoke method: {GetType().Name}.{method} couldn't be called.");
+            if (Method(method, 0) == null)
+                Debug.LogError($"Trying to Invoke method: {GetType().Name}.{method} couldn't be called.");
             Send(method);
         }
 
@@ -112,7 +119,9 @@ namespace UnityEngine
         private Action Find(string message)
         {
             var method = Method(message, 0) ?? Method(message, 1);
-            if (method == null || method.GetParameters().Length == 1 && method.GetParameters()[0].ParameterType != typeof(bool)) return null;
+            if (method == null
+                || method.GetParameters().Length == 1 && method.GetParameters()[0].ParameterType != typeof(bool))
+                return null;
             if (method.ReturnType == typeof(IEnumerator))
             {
                 if (message == "Start") return () => StartCoroutine((IEnumerator)method.Invoke(this, null));
@@ -120,7 +129,9 @@ namespace UnityEngine
                 return null;
             }
             if (method.GetParameters().Length == 0)
-                return method.ReturnType == typeof(void) ? (Action)method.CreateDelegate(typeof(Action), this) : () => method.Invoke(this, null);
+                return method.ReturnType == typeof(void)
+                    ? (Action)method.CreateDelegate(typeof(Action), this)
+                    : () => method.Invoke(this, null);
             var told = (Action<bool>)method.CreateDelegate(typeof(Action<bool>), this);
             return () => told(argument);
         }

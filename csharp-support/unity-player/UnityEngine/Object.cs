@@ -32,7 +32,8 @@ namespace UnityEngine
         }
 
         public static T Instantiate<T>(T original) where T : Object => Copies.Of(original);
-        public static T Instantiate<T>(T original, Transform parent) where T : Object => Instantiate(original, parent, false);
+        public static T Instantiate<T>(T original, Transform parent)
+            where T : Object => Instantiate(original, parent, false);
 
         public static T Instantiate<T>(T original, Transform parent, bool worldPositionStays) where T : Object =>
             Copies.Of(original, one => one.SetParent(parent, worldPositionStays));
@@ -40,7 +41,8 @@ namespace UnityEngine
         public static T Instantiate<T>(T original, Vector3 position, Quaternion rotation) where T : Object =>
             Copies.Of(original, one => one.SetPositionAndRotation(position, rotation));
 
-        public static T Instantiate<T>(T original, Vector3 position, Quaternion rotation, Transform parent) where T : Object =>
+        public static T Instantiate<T>(T original, Vector3 position, Quaternion rotation, Transform parent)
+            where T : Object =>
             Copies.Of(original, one =>
             {
                 one.SetParent(parent);
@@ -49,18 +51,23 @@ namespace UnityEngine
 
         public static T FindObjectOfType<T>() where T : Object => FindAnyObjectByType<T>();
         public static T FindFirstObjectByType<T>() where T : Object => FindAnyObjectByType<T>();
-        public static T FindAnyObjectByType<T>() where T : Object => FindObjectsByType<T>(FindObjectsInactive.Exclude).FirstOrDefault();
-        public static Object[] FindObjectsOfType(Type type) => FindObjectsByType<Object>().Where(type.IsInstanceOfType).ToArray();
+        public static T FindAnyObjectByType<T>()
+            where T : Object => FindObjectsByType<T>(FindObjectsInactive.Exclude).FirstOrDefault();
+        public static Object[] FindObjectsOfType(Type type) =>
+            FindObjectsByType<Object>().Where(type.IsInstanceOfType).ToArray();
         public static T[] FindObjectsOfType<T>() where T : Object => FindObjectsByType<T>(FindObjectsInactive.Exclude);
         public static T[] FindObjectsByType<T>() where T : Object => FindObjectsByType<T>(FindObjectsInactive.Exclude);
-        public static T[] FindObjectsByType<T>(FindObjectsSortMode sortMode) where T : Object => FindObjectsByType<T>(FindObjectsInactive.Exclude);
-        public static T[] FindObjectsByType<T>(FindObjectsInactive findObjectsInactive, FindObjectsSortMode sortMode) where T : Object =>
+        public static T[] FindObjectsByType<T>(FindObjectsSortMode sortMode)
+            where T : Object => FindObjectsByType<T>(FindObjectsInactive.Exclude);
+        public static T[] FindObjectsByType<T>(FindObjectsInactive findObjectsInactive, FindObjectsSortMode sortMode)
+            where T : Object =>
             FindObjectsByType<T>(findObjectsInactive);
 
         public static T[] FindObjectsByType<T>(FindObjectsInactive findObjectsInactive) where T : Object
         {
             MainThread.Only(nameof(FindObjectsByType));
-            return LoadedScene.Objects.Where(one => findObjectsInactive == FindObjectsInactive.Include || one.activeInHierarchy)
+            return LoadedScene.Objects.Where(
+                one => findObjectsInactive == FindObjectsInactive.Include || one.activeInHierarchy)
                 .SelectMany(one => one.Components.Prepend<Object>(one)).OfType<T>().ToArray();
         }
 
@@ -103,8 +110,8 @@ namespace UnityEngine
             throw new UnityException(
                 $"{api} can only be called from the main thread.\n" +
                 "Constructors and field initializers will be executed from the loading thread when loading a scene.\n" +
-                "Don't use this function in the constructor or field initializers, instead move initialization code to " +
-                "the Awake or Start function.");
+                "Don't use this function in the constructor or field initializers, instead move initialization " +
+                "code to the Awake or Start function.");
         }
     }
 }

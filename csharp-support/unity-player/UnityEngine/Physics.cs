@@ -1,5 +1,5 @@
-// Physics as far as a script steps it itself: nothing moves by it, but what Unity would refuse is refused. Rays and spheres
-// meet the colliders of cubes and spheres.
+// Physics as far as a script steps it itself: nothing moves by it, but what Unity would refuse is refused. Rays and
+// spheres meet the colliders of cubes and spheres.
 using System;
 using System.Collections.Generic;
 using System.Linq;
@@ -74,11 +74,13 @@ namespace UnityEngine
         // Here they are always where their objects are.
         public static void SyncTransforms() => MainThread.Only(nameof(SyncTransforms));
 
-        public static bool Raycast(Vector3 origin, Vector3 direction, out RaycastHit hitInfo, float maxDistance, int layerMask) =>
+        public static bool Raycast(
+            Vector3 origin, Vector3 direction, out RaycastHit hitInfo, float maxDistance, int layerMask) =>
             Cast(origin, 0, direction, out hitInfo, maxDistance, layerMask);
 
         public static bool SphereCast(
-            Vector3 origin, float radius, Vector3 direction, out RaycastHit hitInfo, float maxDistance, int layerMask) =>
+            Vector3 origin, float radius, Vector3 direction, out RaycastHit hitInfo, float maxDistance,
+            int layerMask) =>
             Cast(origin, radius, direction, out hitInfo, maxDistance, layerMask);
 
         private static bool Cast(

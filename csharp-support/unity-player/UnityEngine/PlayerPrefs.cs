@@ -20,6 +20,7 @@ namespace UnityEngine
         public static void DeleteAll() => Values.Clear();
         public static void Save() { }
         // A value that was set as another type is not there.
-        private static T Get<T>(string key, T otherwise) => Values.TryGetValue(key, out var value) && value is T found ? found : otherwise;
+        private static T Get<T>(string key, T otherwise) =>
+            Values.TryGetValue(key, out var value) && value is T found ? found : otherwise;
     }
 }

@@ -22,7 +22,8 @@ namespace UnityEngine
         {
             MainThread.Only(nameof(SetPosition));
             if (index >= 0 && index < places.Length) places[index] = position;
-            else Debug.LogError($"LineRenderer.SetPosition index out of bounds! ({index}, positionCount is {places.Length})");
+            else Debug.LogError(
+                $"LineRenderer.SetPosition index out of bounds! ({index}, positionCount is {places.Length})");
         }
 
         public void SetPositions(Vector3[] positions)

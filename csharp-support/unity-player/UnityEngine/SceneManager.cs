@@ -12,7 +12,8 @@ namespace UnityEngine.SceneManagement
         public bool isLoaded { get; }
         public string name => SceneManager.Name;
         public int buildIndex => 0;
-        public GameObject[] GetRootGameObjects() => LoadedScene.Objects.Where(thing => thing.transform.parent == null).ToArray();
+        public GameObject[] GetRootGameObjects() =>
+            LoadedScene.Objects.Where(thing => thing.transform.parent == null).ToArray();
     }
 
     public class SceneManager
@@ -36,7 +37,8 @@ namespace UnityEngine.SceneManagement
         public static void LoadScene(string sceneName, LoadSceneMode mode)
         {
             if (sceneName != Name)
-                throw new NotSupportedException($"the player has one scene, {Name}: SceneManager.GetActiveScene().name");
+                throw new NotSupportedException(
+                    $"the player has one scene, {Name}: SceneManager.GetActiveScene().name");
             LoadScene(0, mode);
         }
 
@@ -46,14 +48,16 @@ namespace UnityEngine.SceneManagement
         public static void LoadScene(int sceneBuildIndex, LoadSceneMode mode)
         {
             MainThread.Only(nameof(LoadScene));
-            if (mode != LoadSceneMode.Single || sceneBuildIndex != 0) throw new NotSupportedException("the player has one scene, with the index 0");
+            if (mode != LoadSceneMode.Single || sceneBuildIndex != 0)
+                throw new NotSupportedException("the player has one scene, with the index 0");
             asked = true;
         }
 
         internal static void Change()
         {
             if (!asked) return;
-            foreach (var thing in LoadedScene.Objects.Where(thing => !LoadedScene.Kept.Contains(thing.transform.root.gameObject)).ToArray())
+            foreach (var thing in LoadedScene.Objects.Where(
+                thing => !LoadedScene.Kept.Contains(thing.transform.root.gameObject)).ToArray())
                 if (thing != null) LoadedScene.Remove(thing);
             Make();
             asked = false;

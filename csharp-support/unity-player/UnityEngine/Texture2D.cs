@@ -90,14 +90,17 @@ namespace UnityEngine
         {
             MainThread.Only(nameof(ReadPixels));
             var from = RenderTexture.active;
-            if (from == null || source.width != width || source.height != height || from.width != width || from.height != height || pixels.Length != width * height * 4)
-                throw new NotSupportedException("the player reads only all of a render texture of the same size, as RGBA32");
+            if (from == null || source.width != width || source.height != height || from.width != width
+                || from.height != height || pixels.Length != width * height * 4)
+                throw new NotSupportedException(
+                    "the player reads only all of a render texture of the same size, as RGBA32");
             Array.Copy(from.Pixels, pixels, pixels.Length);
         }
 
         internal byte[] Pixels => pixels;
 
         /// <summary>Another picture, of whatever size.</summary>
-        internal void Become(int width, int height, byte[] pixels) => (this.width, this.height, this.pixels) = (width, height, pixels);
+        internal void Become(int width, int height, byte[] pixels) =>
+            (this.width, this.height, this.pixels) = (width, height, pixels);
     }
 }

@@ -28,22 +28,45 @@ namespace UnityEngine
             set { MainThread.Only("set_rotation"); turn = Above == null ? value : Above.rotation.Back * value; }
         }
 
-        public Vector3 localPosition { get => MainThread.Of("get_localPosition", place); set => place = MainThread.Of("set_localPosition", value); }
-        public Quaternion localRotation { get => MainThread.Of("get_localRotation", turn); set => turn = MainThread.Of("set_localRotation", value); }
-        public Vector3 localScale { get => MainThread.Of("get_localScale", size); set => size = MainThread.Of("set_localScale", value); }
+        public Vector3 localPosition
+        {
+            get => MainThread.Of("get_localPosition", place);
+            set => place = MainThread.Of("set_localPosition", value);
+        }
+        public Quaternion localRotation
+        {
+            get => MainThread.Of("get_localRotation", turn);
+            set => turn = MainThread.Of("set_localRotation", value);
+        }
+        public Vector3 localScale
+        {
+            get => MainThread.Of("get_localScale", size);
+            set => size = MainThread.Of("set_localScale", value);
+        }
         public Vector3 eulerAngles { get => rotation.eulerAngles; set => rotation = Quaternion.Euler(value); }
         public Vector3 localEulerAngles { get => turn.eulerAngles; set => localRotation = Quaternion.Euler(value); }
         public Vector3 forward { get => rotation * Vector3.forward; set => rotation = Quaternion.LookRotation(value); }
-        public Vector3 up { get => rotation * Vector3.up; set => rotation = Quaternion.FromToRotation(Vector3.up, value); }
-        public Vector3 right { get => rotation * Vector3.right; set => rotation = Quaternion.FromToRotation(Vector3.right, value); }
+        public Vector3 up
+        {
+            get => rotation * Vector3.up;
+            set => rotation = Quaternion.FromToRotation(Vector3.up, value);
+        }
+        public Vector3 right
+        {
+            get => rotation * Vector3.right;
+            set => rotation = Quaternion.FromToRotation(Vector3.right, value);
+        }
         public Vector3 lossyScale => Above == null ? localScale : Vector3.Scale(Above.lossyScale, size);
         public Transform root => Above == null ? this : Above.root;
         public int childCount => Children.Count;
         public Transform GetChild(int index) =>
-            index >= 0 && index < Children.Count ? Children[index] : throw new UnityException("Transform child out of bounds");
+            index >= 0 && index < Children.Count
+                ? Children[index]
+                : throw new UnityException("Transform child out of bounds");
         public IEnumerator GetEnumerator() => Children.ToList().GetEnumerator();
         /// <summary>By its name, or by those of the way to it, such as Arm/Hand. Null: there is none.</summary>
-        public Transform Find(string n) => n.Split('/').Aggregate(this, (here, name) => here?.Children.Find(child => child.name == name));
+        public Transform Find(string n) =>
+            n.Split('/').Aggregate(this, (here, name) => here?.Children.Find(child => child.name == name));
 
         public Transform parent
         {
@@ -95,10 +118,12 @@ namespace UnityEngine
         // Around its own axes: z first, then x, then y.
         public void Rotate(Vector3 eulers) => Rotate(eulers, Space.Self);
         public void Rotate(float xAngle, float yAngle, float zAngle) => Rotate(new Vector3(xAngle, yAngle, zAngle));
-        public void Rotate(float xAngle, float yAngle, float zAngle, Space relativeTo) => Rotate(new Vector3(xAngle, yAngle, zAngle), relativeTo);
+        public void Rotate(float xAngle, float yAngle, float zAngle, Space relativeTo) =>
+            Rotate(new Vector3(xAngle, yAngle, zAngle), relativeTo);
         public void Rotate(Vector3 eulers, Space relativeTo) => Turn(Quaternion.Euler(eulers), relativeTo);
         public void Rotate(Vector3 axis, float angle) => Rotate(axis, angle, Space.Self);
-        public void Rotate(Vector3 axis, float angle, Space relativeTo) => Turn(Quaternion.AngleAxis(angle, axis), relativeTo);
+        public void Rotate(Vector3 axis, float angle, Space relativeTo) =>
+            Turn(Quaternion.AngleAxis(angle, axis), relativeTo);
         public void RotateAround(Vector3 point, Vector3 axis, float angle)
         {
             var by = Quaternion.AngleAxis(angle, axis);

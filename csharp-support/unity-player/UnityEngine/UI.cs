@@ -1,4 +1,5 @@
-// The UI as far as scripts use it: what they show is kept and printed, and what one would do with it is --click of `kit.py play`.
+// The UI as far as scripts use it: what they show is kept and printed, and what one would do with it is --click of
+// `kit.py play`.
 using System;
 using System.Globalization;
 using UnityEngine.Events;
@@ -112,7 +113,8 @@ namespace UnityEngine.UI
             }
         }
 
-        private protected override void Use(string value) => this.value = float.Parse(value, CultureInfo.InvariantCulture);
+        private protected override void Use(string value) =>
+            this.value = float.Parse(value, CultureInfo.InvariantCulture);
     }
 
     public class InputField : Selectable

@@ -36,7 +36,8 @@ namespace UnityEngine
         public static implicit operator Vector3(Vector2 v) => new Vector3(v.x, v.y, 0);
         public override string ToString() => ToString(null, null);
         public string ToString(string format) => ToString(format, null);
-        public string ToString(string format, IFormatProvider formatProvider) => Vector3.Written(format ?? "F2", formatProvider, x, y);
+        public string ToString(string format, IFormatProvider formatProvider) =>
+            Vector3.Written(format ?? "F2", formatProvider, x, y);
     }
 
     public struct Vector3 : IEquatable<Vector3>, IFormattable
@@ -47,7 +48,9 @@ namespace UnityEngine
 
         public float this[int index]
         {
-            get => index == 0 ? x : index == 1 ? y : index == 2 ? z : throw new IndexOutOfRangeException("Invalid Vector3 index!");
+            get => index == 0
+                ? x
+                : index == 1 ? y : index == 2 ? z : throw new IndexOutOfRangeException("Invalid Vector3 index!");
             set
             {
                 if (index == 0) x = value;
@@ -75,13 +78,17 @@ namespace UnityEngine
         public static float Dot(Vector3 lhs, Vector3 rhs) => (lhs.x * rhs.x) + (lhs.y * rhs.y) + (lhs.z * rhs.z);
         // Unity's axes are left-handed, and so to the right times up is forward.
         public static Vector3 Cross(Vector3 lhs, Vector3 rhs) =>
-            new Vector3((lhs.y * rhs.z) - (lhs.z * rhs.y), (lhs.z * rhs.x) - (lhs.x * rhs.z), (lhs.x * rhs.y) - (lhs.y * rhs.x));
+            new Vector3((lhs.y * rhs.z) - (lhs.z * rhs.y), (lhs.z * rhs.x) - (lhs.x * rhs.z),
+                (lhs.x * rhs.y) - (lhs.y * rhs.x));
         public static float Distance(Vector3 a, Vector3 b) => (a - b).magnitude;
-        public static float Angle(Vector3 from, Vector3 to) => Mathf.Acos(Mathf.Clamp(Dot(from.normalized, to.normalized), -1, 1)) * Mathf.Rad2Deg;
-        public static float SignedAngle(Vector3 from, Vector3 to, Vector3 axis) => Angle(from, to) * Mathf.Sign(Dot(axis, Cross(from, to)));
+        public static float Angle(Vector3 from, Vector3 to) =>
+            Mathf.Acos(Mathf.Clamp(Dot(from.normalized, to.normalized), -1, 1)) * Mathf.Rad2Deg;
+        public static float SignedAngle(Vector3 from, Vector3 to, Vector3 axis) =>
+            Angle(from, to) * Mathf.Sign(Dot(axis, Cross(from, to)));
         public static Vector3 Project(Vector3 vector, Vector3 onNormal) =>
             onNormal.sqrMagnitude < Mathf.Epsilon ? zero : onNormal * (Dot(vector, onNormal) / onNormal.sqrMagnitude);
-        public static Vector3 ProjectOnPlane(Vector3 vector, Vector3 planeNormal) => vector - Project(vector, planeNormal);
+        public static Vector3 ProjectOnPlane(Vector3 vector, Vector3 planeNormal) =>
+            vector - Project(vector, planeNormal);
         public static Vector3 ClampMagnitude(Vector3 vector, float maxLength) =>
             vector.sqrMagnitude > maxLength * maxLength ? vector.normalized * maxLength : vector;
 
@@ -126,10 +133,14 @@ namespace UnityEngine
         public override int GetHashCode() => HashCode.Combine(x, y, z);
         public override string ToString() => ToString(null, null);
         public string ToString(string format) => ToString(format, null);
-        public string ToString(string format, IFormatProvider formatProvider) => Written(format ?? "F2", formatProvider, x, y, z);
+        public string ToString(string format, IFormatProvider formatProvider) =>
+            Written(format ?? "F2", formatProvider, x, y, z);
 
-        internal static string Written(string format, IFormatProvider provider, params float[] parts) =>
-            $"({string.Join(", ", parts.Select(part => part.ToString(format, provider ?? CultureInfo.InvariantCulture)))})";
+        internal static string Written(string format, IFormatProvider provider, params float[] parts)
+        {
+            var written = parts.Select(part => part.ToString(format, provider ?? CultureInfo.InvariantCulture));
+            return $"({string.Join(", ", written)})";
+        }
     }
 
     public struct Vector4

@@ -68,7 +68,8 @@ namespace NetMQExample.Tests
         [Box(".twice", "<f8")] private readonly MessageArray doubled = new("float64", new byte[8]);
         [Box(".bit", "bool")] private readonly bool bit = true;
         [Box(".wide", "int16")] private readonly short wide = -1;
-        [Graph] private readonly GraphInstance plain = new(new[,] { { 1f, 2 } }, new[] { new[] { 3.0 } }, new[,] { { 0, 0 } });
+        [Graph] private readonly GraphInstance plain = new(new[,] { { 1f, 2 } }, new[] { new[] { 3.0 } },
+            new[,] { { 0, 0 } });
         [Box(null, "float32")] private readonly int exact = 16777216;
         [Discrete] private readonly long most = long.MaxValue;
         private int unseen = 9;
@@ -77,7 +78,8 @@ namespace NetMQExample.Tests
 
         public override string Says => "not this";
 
-        [Graph] private GraphInstance Edges { get; } = new(new MessageArray("int64", new byte[16], 2), new MessageArray("int64", new byte[8], 1), new MessageArray("int32", new byte[8], 1, 2));
+        [Graph] private GraphInstance Edges { get; } = new(new MessageArray("int64", new byte[16], 2),
+            new MessageArray("int64", new byte[8], 1), new MessageArray("int32", new byte[8], 1, 2));
     }
 
     // Each with one thing wrong.
@@ -156,18 +158,23 @@ namespace NetMQExample.Tests
         {
             Observed.Engine = UnityValues.Numbers;
             var car = new AgentState("it's", new Car());
-            foreach (var source in car.Sources) Console.WriteLine($"{source.Locator} : {ObservationChecks.Shown(source.Read())}");
-            foreach (var wrong in new object[] { new WrongLocator(), new Unreadable(), new OnePlace(), new NoObjects(), new TwoAttributes(), new Indexed() })
+            foreach (var source in car.Sources)
+                Console.WriteLine($"{source.Locator} : {ObservationChecks.Shown(source.Read())}");
+            foreach (var wrong in new object[] { new WrongLocator(), new Unreadable(), new OnePlace(), new NoObjects(),
+                new TwoAttributes(), new Indexed() })
                 Refused(() => _ = new AgentState("car", wrong));
-            foreach (var source in new AgentState("car", new Wrong()).Sources) Refused(() => ObservationChecks.Shown(source.Read()));
+            foreach (var source in new AgentState("car", new Wrong()).Sources)
+                Refused(() => ObservationChecks.Shown(source.Read()));
             for (var step = 0; step < 100; step++)
                 foreach (var source in new AgentState("other", new Car()).Sources) source.Read();
             try { new MessageArray("float64", new byte[16], 2).Items<float>(); }
             catch (MessageException e) { Console.WriteLine(e.Message); }
             var half = BoxOf.Value(0.5f);
+            var (seven, yes) = (BoxOf.Value(new[] { 7.0 }), BoxOf.Value(1L));
             Console.WriteLine(FormattableString.Invariant(
-                $"half: {Convert.ToSingle(half)} {Convert.ToInt32(BoxOf.Value(new[] { 7.0 }))} {Convert.ToBoolean(BoxOf.Value(1L))} {half}"));
-            Console.WriteLine($"{BoxOf.Value(Enumerable.Range(1, 9).ToArray())} {Convert.ToString(BoxOf.Value(new byte[0, 2]))}");
+                $"half: {Convert.ToSingle(half)} {Convert.ToInt32(seven)} {Convert.ToBoolean(yes)} {half}"));
+            Console.WriteLine(
+                $"{BoxOf.Value(Enumerable.Range(1, 9).ToArray())} {Convert.ToString(BoxOf.Value(new byte[0, 2]))}");
             try { Convert.ToSingle(BoxOf.Value(new float[2])); }
             catch (InvalidCastException e) { Console.WriteLine(e.Message); }
             try { new AgentState("car", new Car()).AddReward(double.NaN); }
@@ -176,7 +183,8 @@ namespace NetMQExample.Tests
             var before = GC.GetAllocatedBytesForCurrentThread();
             for (var step = 0; step < 100; step++)
                 foreach (var source in car.Sources) source.Read();
-            Console.WriteLine($"{(GC.GetAllocatedBytesForCurrentThread() - before) / 100} bytes a step for {car.Sources.Count} members");
+            var bytes = (GC.GetAllocatedBytesForCurrentThread() - before) / 100;
+            Console.WriteLine($"{bytes} bytes a step for {car.Sources.Count} members");
         }
     }
 }

@@ -1,5 +1,5 @@
-// One run of a terminal client after the other in one process: `dotnet checks.dll each csharp-console.dll`. It reads one run a
-// line, a JSON list of its words, and prints what each has printed, and then `ended CODE`.
+// One run of a terminal client after the other in one process: `dotnet checks.dll each csharp-console.dll`. It reads
+// one run a line, a JSON list of its words, and prints what each has printed, and then `ended CODE`.
 // With --heard a Play also says what it has told the rest of the game.
 //
 // For what ends by itself: it would take as long to start .NET as all these runs take together.

@@ -23,7 +23,8 @@ namespace NetMQExample.Tests
             NetMQConnection.Seen += See;
         }
 
-        private void See(string endpoint, bool sent, IEnumerable frames) => Interlocked.Increment(ref sent ? ref this.sent : ref received);
+        private void See(string endpoint, bool sent, IEnumerable frames) =>
+            Interlocked.Increment(ref sent ? ref this.sent : ref received);
 
         // The scene is there when its first line is.
         private void Look(string line, string stack, LogType type)
@@ -35,14 +36,16 @@ namespace NetMQExample.Tests
             foreach (var thing in (List<GameObject>)scene.GetValue(null))
                 foreach (var script in thing.GetComponentsInChildren<MonoBehaviour>(true))
                 {
-                    foreach (var one in script.GetType().GetEvents()) one.AddEventHandler(script, Told(one.Name, one.EventHandlerType));
+                    foreach (var one in script.GetType().GetEvents())
+                        one.AddEventHandler(script, Told(one.Name, one.EventHandlerType));
                     // And as the inspector wires them.
                     for (var own = script.GetType(); own != typeof(MonoBehaviour); own = own.BaseType)
                         foreach (var field in own.GetFields(BindingFlags.Instance | BindingFlags.NonPublic))
                             if (field.GetValue(script) is UnityEventBase wired)
                             {
                                 var add = wired.GetType().GetMethod("AddListener");
-                                add.Invoke(wired, new object[] { Told(field.Name, add.GetParameters()[0].ParameterType) });
+                                add.Invoke(wired,
+                                    new object[] { Told(field.Name, add.GetParameters()[0].ParameterType) });
                             }
                 }
         }
@@ -50,7 +53,8 @@ namespace NetMQExample.Tests
         private Delegate Told(string name, Type handler)
         {
             events.Add(new One(this, name));
-            return typeof(One).GetMethod("Tell").MakeGenericMethod(handler.GetGenericArguments()).CreateDelegate(handler, events[^1]);
+            return typeof(One).GetMethod("Tell").MakeGenericMethod(handler.GetGenericArguments())
+                .CreateDelegate(handler, events[^1]);
         }
 
         public void Print(TextWriter output)

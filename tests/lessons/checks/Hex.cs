@@ -1,5 +1,4 @@
 using System;
-using System.Globalization;
 using System.Linq;
 
 namespace NetMQExample.Tests
@@ -9,7 +8,7 @@ namespace NetMQExample.Tests
     {
         public static byte[] Bytes(string digits) => digits == "-" ? new byte[0]
             : Enumerable.Range(0, digits.Length / 2)
-                .Select(i => byte.Parse(digits.Substring(2 * i, 2), NumberStyles.HexNumber, CultureInfo.InvariantCulture)).ToArray();
+                .Select(i => Convert.ToByte(digits.Substring(2 * i, 2), 16)).ToArray();
 
         public static string Digits(byte[] bytes) =>
             bytes.Length == 0 ? "-" : BitConverter.ToString(bytes).Replace("-", "").ToLowerInvariant();

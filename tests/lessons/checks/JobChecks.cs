@@ -6,6 +6,7 @@ using System.Linq;
 using System.Threading;
 using UnityEngine;
 using UnityPlayer;
+using static NetMQExample.Tests.BackgroundClientChecks;
 
 namespace NetMQExample.Tests
 {
@@ -38,14 +39,16 @@ namespace NetMQExample.Tests
             Until(() => runner.Done);
             Check(end.Kind == "result" && end.Status == "succeeded" && end.Line == Player.Drawn, Player.Drawn);
             Check(Shares.SequenceEqual(Shares.OrderBy(share => share)) && Shares[^1] == 1, string.Join(" ", Shares));
-            Check(Logged.Any(line => line.StartsWith("done: succeeded, 432 bytes, sum ", StringComparison.Ordinal)), Logged[^1]);
+            Check(Logged.Any(line => line.StartsWith("done: succeeded, 432 bytes, sum ", StringComparison.Ordinal)),
+                Logged[^1]);
             // Unity's textures have the lowest row first.
             var rows = Enumerable.Range(0, 12).Reverse().SelectMany(row => end.Finished.Slice(row * 36, 36).ToArray());
             Check(end.Side == 12 && rows.SequenceEqual(end.Pixels), "the rows");
             Check(Player.Picture is Texture2D { width: 12 }, "the picture is drawn");
             Textures(1);
 
-            // A larger picture takes the place of the first one, and its frames leave nothing to collect; and the button.
+            // A larger picture takes the place of the first one, and its frames leave nothing to collect; and the
+            // button.
             runner.enabled = false;
             Set("count", "200");
             runner.enabled = true;
@@ -61,7 +64,8 @@ namespace NetMQExample.Tests
             Check(Player.Errors == 0, string.Join("\n", Logged));
         }
 
-        private static void Set(string name, string value) => Inspector.Set(new MonoBehaviour[] { runner }, name, value);
+        private static void Set(string name, string value) =>
+            Inspector.Set(new MonoBehaviour[] { runner }, name, value);
 
         private static void Textures(int count)
         {
@@ -81,11 +85,6 @@ namespace NetMQExample.Tests
                 // A frame in which a line is logged does not count: the line itself is memory.
                 if (Logged.Count == before) cost?.End();
             }
-        }
-
-        private static void Check(bool right, string what)
-        {
-            if (!right) throw new InvalidOperationException(what);
         }
     }
 }

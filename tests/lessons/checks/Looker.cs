@@ -2,8 +2,8 @@ using System;
 using NetMQExample;
 using UnityEngine;
 
-// A cube that goes to the right, a step at a time, and two cameras that see it. By the name "alone" it gives none of them
-// to the recorder.
+// A cube that goes to the right, a step at a time, and two cameras that see it. By the name "alone" it gives none of
+// them to the recorder.
 public sealed class Looker : Agent
 {
     [Discrete] private int steps;

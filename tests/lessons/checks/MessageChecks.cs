@@ -21,13 +21,11 @@ namespace NetMQExample.Tests
 
         public static void Run(string[] words)
         {
-            // A machine where 0.5 is written 0,5 must read and write the same bytes.
-            var german = (CultureInfo)CultureInfo.InvariantCulture.Clone();
-            (german.NumberFormat.NumberDecimalSeparator, german.NumberFormat.NumberGroupSeparator) = (",", ".");
-            CultureInfo.CurrentCulture = german;
+            Program.WriteNumbersInGerman();
             Console.WriteLine($"here a half is written {0.5}");
             if (words[0] == "read")
-                for (var line = Console.ReadLine(); line != null; line = Console.ReadLine()) Console.WriteLine(Answer(line));
+                for (var line = Console.ReadLine(); line != null; line = Console.ReadLine())
+                    Console.WriteLine(Answer(line));
             else if (words[0] == "write") Write();
             else if (words[0] == "again") Again(words[1]);
             else Ask(words[1] == "pooled", words[2]);
@@ -37,8 +35,10 @@ namespace NetMQExample.Tests
         {
             try
             {
-                var message = Message.Read(line.Split(' ').Select(frame => new ReadOnlyMemory<byte>(Hex.Bytes(frame))).ToArray());
-                var again = message.Arrays.Select(array => array.Data.ToArray()).Prepend(Encoding.UTF8.GetBytes(message.Header()));
+                var message =
+                    Message.Read(line.Split(' ').Select(frame => new ReadOnlyMemory<byte>(Hex.Bytes(frame))).ToArray());
+                var again = message.Arrays.Select(array => array.Data.ToArray())
+                    .Prepend(Encoding.UTF8.GetBytes(message.Header()));
                 return "ok " + string.Join(" ", again.Select(Hex.Digits));
             }
             catch (MessageException e)
@@ -48,11 +48,13 @@ namespace NetMQExample.Tests
         }
 
         // Of all threads; .NET has it, and .NET Standard does not know it.
-        private static long Allocated() => (long)typeof(GC).GetMethod("GetTotalAllocatedBytes").Invoke(null, new object[] { true });
+        private static long Allocated() =>
+            (long)typeof(GC).GetMethod("GetTotalAllocatedBytes").Invoke(null, new object[] { true });
 
         private static void Write()
         {
-            var wrong = new object[] { double.NaN, float.PositiveInfinity, 1L << 53, null, 'c', new int[1], new string('x', 70_000) };
+            var wrong = new object[] { double.NaN, float.PositiveInfinity, 1L << 53, null, 'c', new int[1],
+                new string('x', 70_000) };
             foreach (var value in wrong.Concat(new object[] { 1f, 2 }))
             {
                 var message = new Message("echo", 1);

@@ -1,8 +1,9 @@
 // test_11_trees.py and test_11_observations.py ask this of the C# side:
 //
-//     trees         each line of the input is a value (MessageTree.cs) in hexadecimal digits; it is read, and what is printed
-//                   is the same value, written again, or "error" and the code
-//     pairs         each line has texts and values, in turn, in hexadecimal digits; printed is what WritePairs makes of them
+//     trees         each line of the input is a value (MessageTree.cs) in hexadecimal digits; it is read, and
+//                   printed is the same value, written again, or "error" and the code
+//     pairs         each line has texts and values, in turn, in hexadecimal digits; printed is what WritePairs makes of
+//                   them
 //     attributes    what is seen of some classes, line by line, and what is wrong with others
 //     world [NAME …] --endpoint E    simulates agents that do what they are told: a, b and c, or those
 using System;
@@ -17,14 +18,13 @@ namespace NetMQExample.Tests
     {
         public static void Run(string[] words)
         {
-            // A machine where 0.5 is written 0,5 must read and write the same bytes.
-            var german = (CultureInfo)CultureInfo.InvariantCulture.Clone();
-            (german.NumberFormat.NumberDecimalSeparator, german.NumberFormat.NumberGroupSeparator) = (",", ".");
-            CultureInfo.CurrentCulture = german;
+            Program.WriteNumbersInGerman();
             if (words[0] == "trees")
-                for (var line = Console.ReadLine(); line != null; line = Console.ReadLine()) Console.WriteLine(Again(line));
+                for (var line = Console.ReadLine(); line != null; line = Console.ReadLine())
+                    Console.WriteLine(Again(line));
             else if (words[0] == "pairs")
-                for (var line = Console.ReadLine(); line != null; line = Console.ReadLine()) Console.WriteLine(Pairs(line));
+                for (var line = Console.ReadLine(); line != null; line = Console.ReadLine())
+                    Console.WriteLine(Pairs(line));
             else if (words[0] == "world") World.Run(words.Last(), words.Skip(1).Take(words.Length - 3));
             else Attributes.Print();
         }

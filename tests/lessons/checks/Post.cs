@@ -56,7 +56,8 @@ namespace NetMQExample.Tests
                 });
         }
 
-        public (double Reward, bool Terminated, bool Truncated) RewardAndEnd(string agent, IDictionary<string, object> info)
+        public (double Reward, bool Terminated, bool Truncated) RewardAndEnd(
+            string agent, IDictionary<string, object> info)
         {
             info["read"] = new List<object> { written, (long)stamps.Count };
             return (stamps.Count, agent == "ann" && steps == 4, agent == "bob" && steps == 6);

@@ -4,12 +4,21 @@
 //
 // Which words come after the first, each file says.
 using System;
+using System.Globalization;
 using System.Linq;
 
 namespace NetMQExample.Tests
 {
     internal static class Program
     {
+        /// <summary>A machine where 0.5 is written 0,5 must read, write and print the same.</summary>
+        public static void WriteNumbersInGerman()
+        {
+            var german = (CultureInfo)CultureInfo.InvariantCulture.Clone();
+            (german.NumberFormat.NumberDecimalSeparator, german.NumberFormat.NumberGroupSeparator) = (",", ".");
+            CultureInfo.CurrentCulture = german;
+        }
+
         private static int Main(string[] words)
         {
             var rest = words.Skip(1).ToArray();

@@ -1,4 +1,5 @@
-// An agent as gymize's README has it: OnReset loads the scene anew, Convert reads an action, and Update ends the episode.
+// An agent as gymize's README has it: OnReset loads the scene anew, Convert reads an action, and Update ends the
+// episode.
 using System;
 using System.Collections.Generic;
 using NetMQExample;

@@ -1,7 +1,7 @@
 // test_09_spaces.py asks this of the C# side:
 //
-//     rows                      each line of the input is a space's name, a number of areas and a request, in hexadecimal
-//                               digits; it is answered with the answer, or "error" and the code
+//     rows                      each line of the input is a space's name, a number of areas and a request, in
+//                               hexadecimal digits; it is answered with the answer, or "error" and the code
 //     large                     why int64 beyond what a double knows exactly is no space
 //     spaces                    what a hello says of CartPole's spaces, and of each space here
 //     worlds ENDPOINT NAME …    simulates a world of each of these spaces, one after the other
@@ -25,7 +25,8 @@ namespace NetMQExample.Tests
             ["number"] = GymSpace.Box(0, 1),
             ["nothing"] = GymSpace.Box(0, 1, 0),
             ["picture"] = GymSpace.Picture(4, 5),
-            ["float64"] = GymSpace.Box(Array("float64", double.NegativeInfinity, 0), Array("float64", double.PositiveInfinity, 1)),
+            ["float64"] = GymSpace.Box(
+                Array("float64", double.NegativeInfinity, 0), Array("float64", double.PositiveInfinity, 1)),
             ["uint8"] = GymSpace.Box(Array("uint8", 1, 2), Array("uint8", 3, 200)),
             ["uint16"] = GymSpace.Box(Array("uint16", 0, 7), Array("uint16", 65535, 7)),
             ["int32"] = GymSpace.Box(Array("int32", int.MinValue, -5), Array("int32", int.MaxValue, 5)),
@@ -48,18 +49,18 @@ namespace NetMQExample.Tests
             ["points"] = GymSpace.Graph(Pair),
             ["one"] = GymSpace.OneOf(GymSpace.Discrete(3), Pair, GymSpace.Text(8)),
             ["nested"] = GymSpace.Dict(
-                ("a", GymSpace.Tuple(GymSpace.Sequence(GymSpace.Dict(("x", Pair), ("y", GymSpace.Text(8)))), GymSpace.Discrete(3))),
-                ("b", GymSpace.OneOf(GymSpace.Graph(Pair, GymSpace.Discrete(4, -2)), GymSpace.Sequence(GymSpace.Sequence(Pair))))),
+                ("a", GymSpace.Tuple(GymSpace.Sequence(GymSpace.Dict(("x", Pair), ("y", GymSpace.Text(8)))),
+                    GymSpace.Discrete(3))),
+                ("b", GymSpace.OneOf(GymSpace.Graph(Pair, GymSpace.Discrete(4, -2)),
+                    GymSpace.Sequence(GymSpace.Sequence(Pair))))),
         };
 
         public static void Run(string[] words)
         {
-            // A machine where 0.5 is written 0,5 must read and write the same bytes.
-            var german = (CultureInfo)CultureInfo.InvariantCulture.Clone();
-            (german.NumberFormat.NumberDecimalSeparator, german.NumberFormat.NumberGroupSeparator) = (",", ".");
-            CultureInfo.CurrentCulture = german;
+            Program.WriteNumbersInGerman();
             if (words[0] == "rows")
-                for (var line = Console.ReadLine(); line != null; line = Console.ReadLine()) Console.WriteLine(Answer(line.Split(' ')));
+                for (var line = Console.ReadLine(); line != null; line = Console.ReadLine())
+                    Console.WriteLine(Answer(line.Split(' ')));
             else if (words[0] == "spaces") Describe();
             else if (words[0] == "large") Large();
             else foreach (var name in words.Skip(2)) Simulate(name, words[1]);
@@ -79,14 +80,17 @@ namespace NetMQExample.Tests
                 return $"error {e.Code}";
             }
             simulator.Answer(request);
-            return simulator.Reply == null ? Hex.Digits(simulator.Frame.ToArray()) : $"error {simulator.Reply.Values["code"]}";
+            return simulator.Reply == null
+                ? Hex.Digits(simulator.Frame.ToArray())
+                : $"error {simulator.Reply.Values["code"]}";
         }
 
         private static void Describe()
         {
             var hello = new Simulator(new CartPole()).Describe();
             Console.WriteLine($"hello {Hex.Digits(hello.Arrays.Single().Data.ToArray())}");
-            foreach (var one in Spaces) Console.WriteLine($"{one.Key} {Hex.Digits(MessageTree.Write(one.Value.Description))}");
+            foreach (var one in Spaces)
+                Console.WriteLine($"{one.Key} {Hex.Digits(MessageTree.Write(one.Value.Description))}");
         }
 
         private static void Large()
@@ -139,7 +143,9 @@ namespace NetMQExample.Tests
         public void Apply(SpaceReader action)
         {
             // Every second time as numbers, where it is numbers.
-            numbers = action.Count > 0 && steps % 2 == 1 ? Enumerable.Range(0, action.Count).Select(at => action[at]).ToArray() : null;
+            numbers = action.Count > 0 && steps % 2 == 1
+                ? Enumerable.Range(0, action.Count).Select(at => action[at]).ToArray()
+                : null;
             said = action.Value;
             steps++;
         }

@@ -56,8 +56,8 @@ namespace NetMQExample.Tests
             if (NetMQLifetime.Users > 0) throw new Exception($"{NetMQLifetime.Users} users of NetMQ are left");
         }
 
-        // A null for what is sent, or what no server would take; and anything after Dispose, which twice is once: it says so at
-        // once and opens no socket. Each one is made by as little as it needs.
+        // A null for what is sent, or what no server would take; and anything after Dispose, which twice is once: it
+        // says so at once and opens no socket. Each one is made by as little as it needs.
         private static void Uses()
         {
             const string Endpoint = "tcp://127.0.0.1:5551";
@@ -65,7 +65,8 @@ namespace NetMQExample.Tests
             void Client<T>(T client, string parameter, Action<T> nothing, params Action<T>[] afterwards)
                 where T : IDisposable
             {
-                if (!$"{client}".Contains("://127.0.0.1:5551")) throw new Exception($"where is it connected to? {client}");
+                if (!$"{client}".Contains("://127.0.0.1:5551"))
+                    throw new Exception($"where is it connected to? {client}");
                 if (nothing != null)
                     Refused($"{typeof(T).Name}'s {parameter}", parameter, null, () => nothing(client));
                 client.Dispose();
@@ -92,7 +93,8 @@ namespace NetMQExample.Tests
                 foreach (var _ in many.RequestMany(new[] { tooLong, "x" }).Take(1))
                     Refused("ManyRequester's second RequestMany", "has not ended", "a use",
                         () => many.RequestMany(new[] { tooLong }).First());
-                if (many.RequestMany(new[] { tooLong }).Count() != 1) throw new Exception("the next one was refused as well");
+                if (many.RequestMany(new[] { tooLong }).Count() != 1)
+                    throw new Exception("the next one was refused as well");
             }
             Client(new TopicListener(Endpoint), "", null, it => it.Receive(second), it => it.Newest(second));
             Client(new PoseSubscriber(Endpoint), "", null, it => it.Receive(second));
@@ -127,7 +129,8 @@ namespace NetMQExample.Tests
             var wrong = Wrong.TryGetValue(parameter.Name, out var values) && Fits(values, parameter)
                 ? values : new object[0];
             // A server may take a free port.
-            if (parameter.Member.DeclaringType == typeof(Server)) wrong = wrong.Where(each => !$"{each}".EndsWith(":0")).ToArray();
+            if (parameter.Member.DeclaringType == typeof(Server))
+                wrong = wrong.Where(each => !$"{each}".EndsWith(":0")).ToArray();
             var reference = !parameter.ParameterType.IsValueType && !NullIsNone(parameter);
             return reference ? wrong.Append(null).Distinct() : wrong;
         }

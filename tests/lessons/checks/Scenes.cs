@@ -1,7 +1,8 @@
-// Scenes with scripts of a user's own, played until somebody ends them or a minute is over. Runner.cs and Weather.cs are the
-// classes of docs/guide/from_gymize.md and docs/guide/13_side_channels.md.
+// Scenes with scripts of a user's own, played until somebody ends them or a minute is over. Runner.cs and Weather.cs
+// are the classes of docs/guide/from_gymize.md and docs/guide/13_side_channels.md.
 //
-//     dotnet checks.dll scene gymize ENDPOINT [wrong | mistake | two | mute | period | gone | radar | broken | named | alone | env]
+//     dotnet checks.dll scene gymize ENDPOINT [HOW]
+//         HOW is wrong, mistake, two, mute, period, gone, radar, broken, named, alone or env.
 //     dotnet checks.dll scene Racer ENDPOINT [first | channels | lost | VIEW_ENDPOINT]
 //     dotnet checks.dll scene Faller ENDPOINT
 //     dotnet checks.dll scene Arena ENDPOINT
@@ -35,7 +36,9 @@ namespace NetMQExample.Tests
                     var manager = new MonoBehaviour[1];
                     if (how.FirstOrDefault() == "first") manager[0] = thing.AddComponent<GymManager>();
                     thing.AddComponent(name == "Racer" ? typeof(Racer) : typeof(Faller));
-                    manager[0] ??= how.FirstOrDefault() == "channels" ? thing.AddComponent<Channels>() : thing.AddComponent<GymManager>();
+                    manager[0] ??= how.FirstOrDefault() == "channels"
+                        ? thing.AddComponent<Channels>()
+                        : thing.AddComponent<GymManager>();
                     Inspector.Set(manager, "endpoint", endpoint);
                     Inspector.Set(manager, "envName", "Racer");
                     // The second scene has none.
@@ -58,7 +61,8 @@ namespace NetMQExample.Tests
                     Inspector.Set(arena, "endpoint", endpoint);
                     Inspector.Set(arena, "envName", "Arena");
                     thing.SetActive(true);
-                    foreach (var bot in new[] { "leader", "stays", "ends", "ends_off", "off", "led", "destroyed", "respawned", "replaced" })
+                    foreach (var bot in new[] { "leader", "stays", "ends", "ends_off", "off", "led", "destroyed",
+                        "respawned", "replaced" })
                         Bot.Spawn(bot);
                     return;
                 }
@@ -67,7 +71,10 @@ namespace NetMQExample.Tests
                     Gymize(thing, endpoint, how.FirstOrDefault());
                     return;
                 }
-                var script = (MonoBehaviour)(name == "Weather" ? thing.AddComponent<Weather>() : thing.AddComponent<OwnChannels>());
+                var script =
+                    (MonoBehaviour)(name == "Weather"
+                        ? thing.AddComponent<Weather>()
+                        : thing.AddComponent<OwnChannels>());
                 Inspector.Set(new[] { script }, "endpoint", endpoint);
                 if (how.Length > 0) Inspector.Set(new[] { script }, "timeout", how[0]);
                 thing.SetActive(true);
@@ -134,7 +141,8 @@ namespace NetMQExample.Tests
 
         private void Start()
         {
-            if (hears && GymManager.Current != null) GymManager.Current.Simulator.OnInfo += info => Debug.Log($"heard {info}");
+            if (hears && GymManager.Current != null)
+                GymManager.Current.Simulator.OnInfo += info => Debug.Log($"heard {info}");
         }
 
         private void LateUpdate()

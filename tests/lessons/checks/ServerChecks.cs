@@ -1,5 +1,5 @@
-// A C# program that serves, for clients of any kind: checks.dll server serve [ENDPOINT]. And what no client of the kit shows,
-// in one process: checks.dll server alone.
+// A C# program that serves, for clients of any kind: checks.dll server serve [ENDPOINT]. And what no client of the kit
+// shows, in one process: checks.dll server alone.
 using System;
 using System.Collections.Generic;
 using System.Diagnostics;
@@ -52,7 +52,9 @@ namespace NetMQExample.Tests
         {
             using var first = new Server(text => text);
             Console.WriteLine(Throws<GaveUpException>(() => new Server(text => text, first.Endpoint)).Message);
-            Console.WriteLine(Throws<GaveUpException>(() => new Server(text => text, "tcp://192.0.2.1:0", openToAnyone: true)).Message);
+            Console.WriteLine(
+                Throws<GaveUpException>(
+                    () => new Server(text => text, "tcp://192.0.2.1:0", openToAnyone: true)).Message);
             Console.WriteLine(Throws<ArgumentException>(() => new Server(text => text, "tcp://0.0.0.0:5554")).Message);
             using var open = new Server(text => text, "tcp://0.0.0.0:0", openToAnyone: true);
             Check(!open.Endpoint.EndsWith(":0"), open.Endpoint);
@@ -86,7 +88,8 @@ namespace NetMQExample.Tests
             }
         }
 
-        // Requests that wait are answered in several frames of the game, and a Poll with nothing to do makes no garbage.
+        // Requests that wait are answered in several frames of the game, and a Poll with nothing to do makes no
+        // garbage.
         private static void Frames()
         {
             var on = Environment.CurrentManagedThreadId;
@@ -123,7 +126,8 @@ namespace NetMQExample.Tests
                 for (var waited = Stopwatch.StartNew(); ; server.Poll())
                 {
                     Check(waited.Elapsed < TimeSpan.FromSeconds(60), "no reply");
-                    if (client.TryReceiveFrameString(out var id)) return id == $"{number:D16}" ? client.ReceiveFrameString() : id;
+                    if (client.TryReceiveFrameString(out var id))
+                        return id == $"{number:D16}" ? client.ReceiveFrameString() : id;
                 }
             }
             for (var i = 1; i <= 1001; i++) Check(Ask(i) == $"{i}", "of another request");

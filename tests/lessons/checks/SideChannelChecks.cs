@@ -22,14 +22,12 @@ namespace NetMQExample.Tests
     {
         public static void Run(string[] words)
         {
-            // A machine where 0.5 is written 0,5 must read, write and print the same.
-            var german = (CultureInfo)CultureInfo.InvariantCulture.Clone();
-            (german.NumberFormat.NumberDecimalSeparator, german.NumberFormat.NumberGroupSeparator) = (",", ".");
-            CultureInfo.CurrentCulture = german;
+            Program.WriteNumbersInGerman();
             if (words.Length > 0 && words[0] == "steps") Steps(words[2]);
             else if (words.Length == 2 && words[0] == "settings") Settings(Hex.Bytes(words[1]));
             else if (words.Length == 3) Pictures(words[1], int.Parse(words[2]));
-            else for (var line = Console.ReadLine(); line != null; line = Console.ReadLine()) Console.WriteLine(Answer(line.Split(' ')));
+            else for (var line = Console.ReadLine(); line != null; line = Console.ReadLine())
+                Console.WriteLine(Answer(line.Split(' ')));
         }
 
         private static string Answer(string[] words)
@@ -77,7 +75,8 @@ namespace NetMQExample.Tests
                 else if (value[0] == 'f') message.WriteFloat32(Single(text));
                 else if (value[0] == 's') message.WriteString(Encoding.UTF8.GetString(Hex.Bytes(text)));
                 else if (value[0] == 'u') message.WriteString(Encoding.UTF8.GetString(Hex.Bytes(text)), utf8: true);
-                else if (value[0] == 'l') message.WriteFloatList(text == "" ? new float[0] : text.Split(',').Select(Single).ToArray());
+                else if (value[0] == 'l')
+                    message.WriteFloatList(text == "" ? new float[0] : text.Split(',').Select(Single).ToArray());
                 else message.SetRawBytes(Hex.Bytes(text));
             }
             var channel = new RawBytesChannel(Guid.Empty);
@@ -90,10 +89,12 @@ namespace NetMQExample.Tests
             return lines.Count == 0 ? data.Skip(20).ToArray() : throw new UnityAgentsException(lines[0].Split(", ")[1]);
         }
 
-        // It is not sent, and without an exception, which would come out of the game's own Debug.LogError. What follows is.
+        // It is not sent, and without an exception, which would come out of the game's own Debug.LogError. What follows
+        // is.
         private static string Half()
         {
-            var (log, lines) = (new RawBytesChannel(new Guid("621f0a70-4f87-11ea-a6bf-784f4387d1f7")), new List<string>());
+            var (log, lines) = (new RawBytesChannel(new Guid("621f0a70-4f87-11ea-a6bf-784f4387d1f7")),
+                new List<string>());
             SideChannelManager.Report = lines.Add;
             SideChannelManager.RegisterSideChannel(log);
             using var half = new OutgoingMessage();
@@ -105,10 +106,11 @@ namespace NetMQExample.Tests
             throw new UnityAgentsException(sent.Length == 23 ? lines.Single() : $"sent {sent.Length} bytes");
         }
 
-        // What is queued while nobody takes it.
+        // Messages are queued while nobody takes them.
         private static string Keep(int count)
         {
-            var (channel, lines) = (new RawBytesChannel(new Guid("00112233-4455-6677-8899-aabbccddeeff")), new List<string>());
+            var (channel, lines) = (new RawBytesChannel(new Guid("00112233-4455-6677-8899-aabbccddeeff")),
+                new List<string>());
             SideChannelManager.Report = lines.Add;
             SideChannelManager.RegisterSideChannel(channel);
             for (var i = 0; i < count; i++) channel.SendRawBytes(new[] { (byte)(i >> 16), (byte)(i >> 8), (byte)i });
@@ -122,11 +124,13 @@ namespace NetMQExample.Tests
             var lines = new List<string>();
             void Say(string line) => lines.Add(line);
             SideChannelManager.Report = Say;
-            var channels = new SideChannel[] { new StringLogChannel(Say), new FloatPropertiesChannel(), new RawBytesChannel(new Guid(new byte[16])) };
+            var channels = new SideChannel[] { new StringLogChannel(Say), new FloatPropertiesChannel(),
+                new RawBytesChannel(new Guid(new byte[16])) };
             foreach (var channel in channels) SideChannelManager.RegisterSideChannel(channel);
             var academy = Academy.Instance;
             // Mono writes no more than 15 digits of a number.
-            academy.Begin((kind, values) => Say(values[0] < 1e15 ? EngineConfigurationChannel.Describe(kind, values) : Bits((float)values[0])));
+            academy.Begin((kind, values) =>
+                Say(values[0] < 1e15 ? EngineConfigurationChannel.Describe(kind, values) : Bits((float)values[0])));
             SideChannelManager.Receive(new[] { exchange });
             var late = new RawBytesChannel(new Guid("00112233-4455-6677-8899-aabbccddeeff"));
             SideChannelManager.RegisterSideChannel(late);
@@ -134,9 +138,14 @@ namespace NetMQExample.Tests
             SideChannelManager.UnregisterSideChannel(late);
             var properties = (FloatPropertiesChannel)channels[1];
             foreach (var key in properties.Keys()) Say($"{key}={Bits(properties.GetWithDefault(key, 0))}");
-            foreach (var key in academy.EnvironmentParameters.Keys())
-                Say($"{key}:{string.Join(",", Enumerable.Range(0, 3).Select(_ => Bits(academy.EnvironmentParameters.GetWithDefault(key, 0))))}");
-            foreach (var message in ((RawBytesChannel)channels[2]).GetAndClearReceivedMessages()) Say(Hex.Digits(message));
+            var parameters = academy.EnvironmentParameters;
+            foreach (var key in parameters.Keys())
+            {
+                var drawn = Enumerable.Range(0, 3).Select(_ => Bits(parameters.GetWithDefault(key, 0)));
+                Say($"{key}:{string.Join(",", drawn)}");
+            }
+            foreach (var message in ((RawBytesChannel)channels[2]).GetAndClearReceivedMessages())
+                Say(Hex.Digits(message));
             Array.ForEach(channels, SideChannelManager.UnregisterSideChannel);
             academy.Dispose();
             return Hex.Digits(Encoding.UTF8.GetBytes(string.Join("\n", lines)));
@@ -146,7 +155,8 @@ namespace NetMQExample.Tests
         {
             Academy.Instance.Begin(EngineSettings.Apply);
             SideChannelManager.ProcessSideChannelData(exchange);
-            Console.WriteLine(FormattableString.Invariant($"{Time.timeScale} {Application.targetFrameRate} {Time.captureFramerate}"));
+            Console.WriteLine(
+                FormattableString.Invariant($"{Time.timeScale} {Application.targetFrameRate} {Time.captureFramerate}"));
         }
 
         private static void Steps(string endpoint)
@@ -165,18 +175,26 @@ namespace NetMQExample.Tests
             while (seen < count)
             {
                 // Ten at the most are on their way.
-                for (; sent < count && sent < seen + 10; sent++) pictures.SendRawBytes(Enumerable.Repeat((byte)sent, 128 * 128 * 3).ToArray());
-                SideChannelManager.Receive(carrier.Exchange(SideChannelManager.GetSideChannelMessage(), TimeSpan.FromMilliseconds(10)));
+                for (; sent < count && sent < seen + 10; sent++)
+                    pictures.SendRawBytes(Enumerable.Repeat((byte)sent, 128 * 128 * 3).ToArray());
+                SideChannelManager.Receive(
+                    carrier.Exchange(SideChannelManager.GetSideChannelMessage(), TimeSpan.FromMilliseconds(10)));
                 seen += pictures.GetAndClearReceivedMessages().Count;
             }
         }
 
         private static void QueueForTest(this RawBytesChannel channel, OutgoingMessage message) =>
-            typeof(SideChannel).GetMethod("QueueMessageToSend", System.Reflection.BindingFlags.Instance | System.Reflection.BindingFlags.NonPublic).Invoke(channel, new object[] { message });
+            typeof(SideChannel).GetMethod("QueueMessageToSend",
+                System.Reflection.BindingFlags.Instance | System.Reflection.BindingFlags.NonPublic)
+                .Invoke(channel, new object[] { message });
 
-        private static string Bits(float value) => float.IsNaN(value) ? "nan" : BitConverter.ToInt32(BitConverter.GetBytes(value), 0).ToString("x8", CultureInfo.InvariantCulture);
+        private static string Bits(float value) =>
+            float.IsNaN(value)
+                ? "nan"
+                : BitConverter.ToInt32(BitConverter.GetBytes(value), 0).ToString("x8", CultureInfo.InvariantCulture);
 
-        private static float Single(string bits) => BitConverter.ToSingle(BitConverter.GetBytes(Convert.ToInt32(bits, 16)), 0);
+        private static float Single(string bits) =>
+            BitConverter.ToSingle(BitConverter.GetBytes(Convert.ToInt32(bits, 16)), 0);
     }
 
     // It sees the gravity that its reset knew of, and records each action.
@@ -202,7 +220,8 @@ namespace NetMQExample.Tests
 
         public void Observe(SpaceWriter seen) => seen.Add(gravity);
 
-        public (double Reward, bool Terminated, bool Truncated) RewardAndEnd(IDictionary<string, object> info) => (0, false, false);
+        public (double Reward, bool Terminated, bool Truncated) RewardAndEnd(IDictionary<string, object> info) =>
+            (0, false, false);
 
         public MessageArray Render() => throw new NotSupportedException();
     }

@@ -25,7 +25,8 @@ public sealed class Weather : SideChannelBehaviour
     {
         base.Begin();
         SideChannelManager.RegisterSideChannel(channel);
-        Academy.Instance.EnvironmentParameters.RegisterCallback("wind", value => transform.position = new Vector3(value, 0, 0));
+        Academy.Instance.EnvironmentParameters.RegisterCallback("wind",
+            value => transform.position = new Vector3(value, 0, 0));
         channel.Ask("Rome");
     }
 

@@ -21,7 +21,8 @@ namespace NetMQExample.Tests
 
         public static void Run(string endpoint, IEnumerable<string> names)
         {
-            Agents.AddRange(names.DefaultIfEmpty("a b c").SelectMany(name => name.Split(' ')).Select(name => new Told(name)));
+            Agents.AddRange(names.DefaultIfEmpty("a b c").SelectMany(name => name.Split(' '))
+                .Select(name => new Told(name)));
             var simulator = new SceneSimulator("World", 0.5, Agents, Others);
             simulator.OnInfo += info => simulator.SendInfo($"heard {info}");
             using var client = new EnvironmentClient(endpoint, TimeSpan.FromSeconds(20), Console.WriteLine);
@@ -77,7 +78,9 @@ namespace NetMQExample.Tests
                 case "reward": State.AddReward(Number(rest[0])); break;
                 case "all": State.SetReward(Number(rest[0])); break;
                 case "info": State.SendInfo(rest[0]); break;
-                case "draw": State.SendInfo(World.Agents.First(one => one.State.Name == rest[0]).State.RandomGenerator.Next()); break;
+                case "draw":
+                    State.SendInfo(World.Agents.First(one => one.State.Name == rest[0]).State.RandomGenerator.Next());
+                    break;
                 case "until": last = (int)Number(rest[0]); break;
                 case "leave": World.Agents.Remove(this); break;
                 case "come": World.Agents.Insert(1, new Told(rest[0])); break;

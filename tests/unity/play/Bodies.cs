@@ -1,10 +1,12 @@
 // Application 20's numbers and scripts, as the test says:
 //
-//     numbers=FILE          no Play: of each message of the file the landmarks, the right knee, and what the filter makes
+//     numbers=FILE          no Play: of each message of the file the landmarks, the right knee, and what the filter
+//                           makes
 //     frames=1000           prints what so many frames cost
 //     bones=hidden          the character is human, and shows none of its bones
 //     character=none        the field is empty, in the editor
-//     endpoint=tcp://127.0.0.1:5570 …     and the serialized fields, for a Play to its end with a character in its T-pose
+//     endpoint=tcp://127.0.0.1:5570 …     and the serialized fields, for a Play to its end with a character in its
+//                                         T-pose
 //
 // At the end of a Play it prints how each limb of the character points and its trunk looks, and how fast a joint of the
 // skeleton was at most.
@@ -49,7 +51,8 @@ namespace NetMQExample.PlayTest
 
         public static int Run(string[] words)
         {
-            var told = words.Select(word => word.Split(new[] { '=' }, 2)).ToDictionary(pair => pair[0], pair => pair[1]);
+            var told = words.Select(word => word.Split(new[] { '=' }, 2))
+                .ToDictionary(pair => pair[0], pair => pair[1]);
             if (told.Remove("numbers", out var file)) return Numbers(file);
             var frames = told.Remove("frames", out var many) ? int.Parse(many, CultureInfo.InvariantCulture) : 0;
             var hidden = told.Remove("bones");
@@ -64,8 +67,8 @@ namespace NetMQExample.PlayTest
                 foreach (var bone in bones.Keys.Where(_ => hidden)) character.Bones[bone] = null;
                 thing = new GameObject("body");
                 thing.SetActive(false);
-                var scripts = new MonoBehaviour[]
-                    { thing.AddComponent<BodyTracker>(), thing.AddComponent<PoseAvatar>(), thing.AddComponent<PoseSkeleton>() };
+                var types = new[] { typeof(BodyTracker), typeof(PoseAvatar), typeof(PoseSkeleton) };
+                var scripts = Scripts.AddTo(thing, types);
                 foreach (var setting in told) Inspector.Set(scripts, setting.Key, setting.Value);
                 if (!bare) Field(scripts[1], "character").SetValue(scripts[1], character);
                 thing.SetActive(true);
@@ -79,7 +82,7 @@ namespace NetMQExample.PlayTest
                 cost.Begin();
                 player.Frame();
                 cost.End();
-                joints = joints ?? (Transform[])Field(thing.GetComponent<PoseSkeleton>(), "joints").GetValue(thing.GetComponent<PoseSkeleton>());
+                joints = joints ?? Parts(thing, "joints");
                 for (var i = 0; i < joints.Length && tracker.Present; i++)
                 {
                     var now = joints[i].localPosition;
@@ -91,19 +94,29 @@ namespace NetMQExample.PlayTest
                 if (rest > TimeSpan.Zero) Thread.Sleep(rest);
             }
             if (frames > 0) Console.WriteLine($"cost: {cost}");
-            var lines = (Transform[])Field(thing.GetComponent<PoseSkeleton>(), "lines").GetValue(thing.GetComponent<PoseSkeleton>());
+            var lines = Parts(thing, "lines");
             Console.WriteLine($"skeleton: {joints.Length} joints, {lines.Count(line => line.localScale.z > 0)} lines");
             foreach (var limb in AvatarLimbs.All.Where(limb => bones.ContainsKey(limb.End)))
                 Say($"{limb.Bone} points", bones[limb.End].position - bones[limb.Bone].position);
-            foreach (var bone in new[] { HumanBodyBones.Hips, HumanBodyBones.Spine, HumanBodyBones.Head, HumanBodyBones.LeftLowerLeg })
+            foreach (var bone in new[] { HumanBodyBones.Hips, HumanBodyBones.Spine, HumanBodyBones.Head,
+                HumanBodyBones.LeftLowerLeg })
                 Say($"{bone} looks", bones[bone].rotation * Forward(bone));
             Console.WriteLine(FormattableString.Invariant($"fastest {fastest:F3} m/s"));
             player.Stop();
             return player.Errors > 0 ? 1 : 0;
         }
 
-        private static void Say(string what, Vector3 direction) => Console.WriteLine(FormattableString.Invariant(
-            $"{what} {direction.x / direction.magnitude:F4} {direction.y / direction.magnitude:F4} {direction.z / direction.magnitude:F4}"));
+        private static void Say(string what, Vector3 direction)
+        {
+            var way = direction / direction.magnitude;
+            Console.WriteLine(FormattableString.Invariant($"{what} {way.x:F4} {way.y:F4} {way.z:F4}"));
+        }
+
+        private static Transform[] Parts(GameObject thing, string name)
+        {
+            var skeleton = thing.GetComponent<PoseSkeleton>();
+            return (Transform[])Field(skeleton, name).GetValue(skeleton);
+        }
 
         private static FieldInfo Field(object script, string name) =>
             script.GetType().GetField(name, BindingFlags.Instance | BindingFlags.NonPublic);
@@ -145,7 +158,10 @@ namespace NetMQExample.PlayTest
         }
 
         // Seventeen digits say a double to the bit, on every runtime.
-        private static void Print(string name, double[] numbers) => Console.WriteLine(
-            $"{name} {string.Join(" ", numbers.Select(number => number.ToString("G17", CultureInfo.InvariantCulture)))}");
+        private static void Print(string name, double[] numbers)
+        {
+            var written = numbers.Select(number => number.ToString("G17", CultureInfo.InvariantCulture));
+            Console.WriteLine($"{name} {string.Join(" ", written)}");
+        }
     }
 }

@@ -35,10 +35,13 @@ namespace NetMQExample.PlayTest
 
         private static int PlayOne(IEnumerable<string> words)
         {
-            var told = words.Select(word => word.Split(new[] { '=' }, 2)).ToDictionary(pair => pair[0], pair => pair.ElementAtOrDefault(1) ?? "");
+            var told = words.Select(word => word.Split(new[] { '=' }, 2))
+                .ToDictionary(pair => pair[0], pair => pair.ElementAtOrDefault(1) ?? "");
             int At(string name) => told.Remove(name, out var text) ? int.Parse(text, CultureInfo.InvariantCulture) : -1;
-            (SystemInfo.TopRowFirst, SystemInfo.NoReadback, SystemInfo.NoGraphics) = (told.Remove("topfirst"), told.Remove("noreadback"), told.Remove("nographics"));
-            int fail = At("fail"), press = At("press"), down = At("down"), disable = At("disable"), frames = At("frames");
+            (SystemInfo.TopRowFirst, SystemInfo.NoReadback, SystemInfo.NoGraphics) = (told.Remove("topfirst"),
+                told.Remove("noreadback"), told.Remove("nographics"));
+            int fail = At("fail"), press = At("press"), down = At("down"), disable = At("disable"),
+                frames = At("frames");
             var (numbered, positions, looked) = (told.Remove("numbered"), told.Remove("positions"), told.Remove("eye"));
             Camera eye = null;
             var lessons = typeof(NetMQLifetime).Assembly;
@@ -49,7 +52,7 @@ namespace NetMQExample.PlayTest
             {
                 var thing = new GameObject("car");
                 thing.SetActive(false);
-                var scripts = Scripts.Of(lessons, "8").Select(type => (MonoBehaviour)(thing.GetComponent(type) ?? thing.AddComponent(type))).ToArray();
+                var scripts = Scripts.AddTo(thing, Scripts.Of(lessons, "8"));
                 foreach (var setting in told) Inspector.Set(scripts, setting.Key, setting.Value);
                 thing.SetActive(true);
                 (sender, car) = (thing.GetComponent<CameraSender>(), thing.GetComponent<DrivenCar>());
@@ -65,11 +68,12 @@ namespace NetMQExample.PlayTest
                 if (numbered) other.AddComponent<NumberedSky>().Sender = sender;
             });
             var cost = new FrameCost(Math.Max(frames, 1));
-            // A frame in which a line is logged does not count, as in Costs.cs: the line itself is memory.
+            // A frame in which a line is logged does not count: the line itself is memory.
             var logged = false;
             Application.logMessageReceived += (line, stack, type) => logged = true;
             var clock = Stopwatch.StartNew();
-            for (long frame = 1, step = -1; !(player.Done && (sender.enabled || disable < 0)) && !(frames > 0 && cost.Done); frame++)
+            for (long frame = 1, step = -1; !(player.Done && (sender.enabled || disable < 0))
+                && !(frames > 0 && cost.Done); frame++)
             {
                 var rendering = Camera.Rendering.Elapsed;
                 logged = false;
@@ -77,7 +81,9 @@ namespace NetMQExample.PlayTest
                 player.Frame();
                 if (!logged) cost.End((Camera.Rendering.Elapsed - rendering).TotalMilliseconds);
                 var now = car.Drive.Frame;
-                if (positions && now != step) Console.WriteLine(FormattableString.Invariant($"at {now} {car.Car.X:R} {car.Car.Y:R} {Stands(car)}"));
+                if (positions && now != step)
+                    Console.WriteLine(
+                        FormattableString.Invariant($"at {now} {car.Car.X:R} {car.Car.Y:R} {Stands(car)}"));
                 if (step < fail && now >= fail) AsyncGPUReadback.ToFail = 3;
                 if (step < press && now >= press) Player.Press(-0.5f, 1);
                 if (press >= 0 && step < press + 20 && now >= press + 20) Player.Press(0, 0);
@@ -97,7 +103,9 @@ namespace NetMQExample.PlayTest
             var text = (string)typeof(CameraSender).GetField("text", Hidden).GetValue(sender);
             if (text != "") Console.WriteLine($"the inspector shows {text}");
             if (frames > 0) Console.WriteLine($"cost: {cost}");
-            if (looked) Console.WriteLine($"the eye goes on as it was: {eye != null && eye.enabled && eye.targetTexture == null}");
+            if (looked)
+                Console.WriteLine(
+                    $"the eye goes on as it was: {eye != null && eye.enabled && eye.targetTexture == null}");
             player.Stop();
             return player.Errors > 0 ? 1 : 0;
         }

@@ -11,8 +11,10 @@
 //     another ENDPOINT        one more of it, and both are selected; prefab: it is one in Assets; destroy it
 //     host ADDRESS            into the asset with the servers' address
 //     flood                   a hundred messages of ten long frames
-//     build TARGET FOLDER     what Unity calls when it builds for a platform; build Android FOLDER 37: for that API level
-//     forget 2                so many clients of a script's that are never disposed; remember: they are after all; settle: the others are
+//     build TARGET FOLDER     what Unity calls when it builds for a platform; build Android FOLDER 37: for that API
+//                             level
+//     forget 2                so many clients of a script's that are never disposed; remember: they are after all;
+//                             settle: the others are
 //     threads                 which the Profiler shows
 //     counted                 whether a program that is not compiled for the editor shows its messages
 //     quit                    the end of the editor
@@ -41,7 +43,8 @@ namespace NetMQExample.EditorTest
 {
     internal static class EditorProgram
     {
-        private const BindingFlags Any = BindingFlags.Instance | BindingFlags.Static | BindingFlags.Public | BindingFlags.NonPublic;
+        private const BindingFlags Any = BindingFlags.Instance | BindingFlags.Static | BindingFlags.Public
+            | BindingFlags.NonPublic;
         private static readonly Assembly Package = typeof(LessonServer).Assembly;
 
         private static readonly Stack<NetMQLifetime> Forgotten = new Stack<NetMQLifetime>();
@@ -70,7 +73,9 @@ namespace NetMQExample.EditorTest
             switch (what)
             {
                 case "api": Api.Print(typeof(Object).Assembly, typeof(EditorWindow).Assembly); break;
-                case "references": foreach (var one in Assembly.LoadFile(with).GetReferencedAssemblies()) Console.WriteLine(one.Name); break;
+                case "references":
+                    foreach (var one in Assembly.LoadFile(with).GetReferencedAssemblies()) Console.WriteLine(one.Name);
+                    break;
                 case "package": AssetDatabase.Package = with; break;
                 case "folder": EditorUtility.Chosen = with; break;
                 case "load": Call<InitializeOnLoadMethodAttribute>(_ => true); break;
@@ -88,7 +93,10 @@ namespace NetMQExample.EditorTest
                 case "host": SetHost(with); break;
                 case "flood": Flood(); break;
                 case "build": Build(with.Split(' ')); break;
-                case "forget": for (var i = int.Parse(with, CultureInfo.InvariantCulture); i > 0; i--) Forgotten.Push(new NetMQLifetime()); break;
+                case "forget":
+                    for (var i = int.Parse(with, CultureInfo.InvariantCulture); i > 0; i--)
+                        Forgotten.Push(new NetMQLifetime());
+                    break;
                 case "settle": while (NetMQLifetime.Users > Forgotten.Count) Thread.Sleep(5); break;
                 case "remember": while (Forgotten.Count > 0) Forgotten.Pop().Dispose(); break;
                 case "threads": foreach (var thread in Profiler.Threads) Console.WriteLine(thread); break;
@@ -134,7 +142,7 @@ namespace NetMQExample.EditorTest
             {
                 var thing = new GameObject("client");
                 thing.SetActive(false);
-                var scripts = types.Select(type => (MonoBehaviour)(thing.GetComponent(type) ?? thing.AddComponent(type))).ToArray();
+                var scripts = Scripts.AddTo(thing, types);
                 Inspector.Set(scripts, "endpoint", words[1]);
                 Inspector.Set(scripts, "count", words[2]);
                 if (words.Length > 3) Inspector.Set(scripts, "timeout", words[3]);
@@ -167,7 +175,8 @@ namespace NetMQExample.EditorTest
         }
 
         private static void SetHost(string host) =>
-            typeof(ServerAddress).GetField("host", Any).SetValue(Resources.Load<ServerAddress>(ServerAddress.File), host);
+            typeof(ServerAddress).GetField("host", Any)
+                .SetValue(Resources.Load<ServerAddress>(ServerAddress.File), host);
 
         private static void Build(string[] words)
         {

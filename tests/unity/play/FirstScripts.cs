@@ -8,6 +8,7 @@ using UnityEngine;
 using UnityEngine.Events;
 using UnityEngine.SceneManagement;
 using UnityPlayer;
+using static NetMQExample.PlayTest.FirstScripts;
 using Random = UnityEngine.Random;
 
 namespace NetMQExample.PlayTest
@@ -18,12 +19,15 @@ namespace NetMQExample.PlayTest
         {
             CultureInfo.CurrentCulture = CultureInfo.InvariantCulture;
             var player = new Player(typeof(FirstScripts).Assembly);
-            player.Begin(() => new GameObject("first").AddComponent(Type.GetType($"NetMQExample.PlayTest.{script}", true)));
+            player.Begin(
+                () => new GameObject("first").AddComponent(Type.GetType($"NetMQExample.PlayTest.{script}", true)));
             player.Run(TimeSpan.FromSeconds(20), () => false);
             player.Stop();
             Console.WriteLine($"errors: {player.Errors}");
             return 0;
         }
+
+        public static void Say(params object[] parts) => Debug.Log(string.Join(" ", parts));
     }
 
     public sealed class Waiting : MonoBehaviour
@@ -52,7 +56,8 @@ namespace NetMQExample.PlayTest
             Time.timeScale = 0;
             began = Time.time;
             yield return new WaitForSecondsRealtime(0.05f);
-            print($"real seconds: {Time.realtimeSinceStartup >= real + 0.1f}, of none in the game: {Time.time == began}, {Time.unscaledTime > Time.time}");
+            Say("real seconds:", $"{Time.realtimeSinceStartup >= real + 0.1f},", "of none in the game:",
+                $"{Time.time == began},", Time.unscaledTime > Time.time);
             Time.timeScale = 1;
             var now = updates;
             yield return new WaitUntil(() => updates >= now + 2);
@@ -176,7 +181,9 @@ namespace NetMQExample.PlayTest
             enabled = false;
         }
 
-        private void Soon() => print($"soon: {Time.time >= began + 0.05f}, though disabled: {!enabled}, {GameObject.Find("doomed at once") == null}");
+        private void Soon() =>
+            Say("soon:", $"{Time.time >= began + 0.05f},", "though disabled:", $"{!enabled},",
+                GameObject.Find("doomed at once") == null);
 
         private void Never() => print("never");
 
@@ -198,7 +205,8 @@ namespace NetMQExample.PlayTest
 
         private void Last()
         {
-            print($"times: {calls.Count}, doomed: {GameObject.Find("doomed") != null} {GameObject.Find("doomed much later") != null}, pending: {IsInvoking(nameof(Again))}");
+            Say("times:", $"{calls.Count},", "doomed:", GameObject.Find("doomed") != null,
+                $"{GameObject.Find("doomed much later") != null},", "pending:", IsInvoking(nameof(Again)));
             InvokeRepeating(nameof(Again), 1, 1);
             CancelInvoke();
             print($"pending: {IsInvoking()}");
@@ -222,7 +230,9 @@ namespace NetMQExample.PlayTest
         [SerializeField] private string kind = "rat";
         private int hits;
 
-        public string Told => $"{kind} {health} {hits} {loot.what} {Listed(loot.coins)} {Listed(parts.Select(part => part.name))} {tint.g}";
+        public string Told =>
+            $"{kind} {health} {hits} {loot.what} {Listed(loot.coins)} "
+            + $"{Listed(parts.Select(part => part.name))} {tint.g}";
 
         private static string Listed<T>(IEnumerable<T> items) => items.Any() ? string.Join("+", items) : "none";
 
@@ -240,7 +250,8 @@ namespace NetMQExample.PlayTest
             hand.SetParent(new GameObject("Arm").transform);
             hand.parent.SetParent(enemy.transform);
             hand.localPosition = Vector3.right;
-            (enemy.health, enemy.tint, enemy.loot.what, enemy.parts) = (7, Color.red, "a sword", new[] { hand, transform });
+            (enemy.health, enemy.tint, enemy.loot.what, enemy.parts) = (7, Color.red, "a sword",
+                new[] { hand, transform });
             enemy.loot.coins.Add(5);
             enemy.Become("wolf");
             enemy.gameObject.AddComponent<MeshRenderer>().material.color = Color.red;
@@ -248,8 +259,9 @@ namespace NetMQExample.PlayTest
             var copy = Instantiate(enemy, new Vector3(1, 2, 3), Quaternion.Euler(0, 90, 0));
             copy.loot.coins.Add(6);
             copy.GetComponent<Renderer>().material.color = Color.blue;
-            print($"its own: {copy.parts[0] != hand && copy.parts[0].root == copy.transform}, {copy.parts[1] == transform}, {enemy.Told}, "
-                + $"{enemy.GetComponent<Renderer>().material.color == Color.red}");
+            Say("its own:", $"{copy.parts[0] != hand && copy.parts[0].root == copy.transform},",
+                $"{copy.parts[1] == transform},", $"{enemy.Told},",
+                enemy.GetComponent<Renderer>().material.color == Color.red);
             print($"its hand: {copy.transform.Find("Arm/Hand").position}, {copy.transform.Find("Hand") == null}");
             var below = Instantiate(copy.gameObject, hand);
             print($"below: {below.transform.position} {below.transform.parent.name} {below.name}");
@@ -268,15 +280,23 @@ namespace NetMQExample.PlayTest
 
         private static void Search(Enemy enemy, Enemy copy)
         {
-            print($"by type: {FindObjectsByType<Enemy>(FindObjectsSortMode.None).Length} {FindObjectsByType<Enemy>(FindObjectsInactive.Include).Length} "
-                + $"{FindObjectsOfType<GameObject>().Length > 5} {FindAnyObjectByType<Camera>() == null} {FindObjectOfType<Things>().name} {FindFirstObjectByType<Enemy>().name}");
-            print($"by name: {GameObject.Find("Enemy/Arm").name} {GameObject.Find("/Hand") == null} {GameObject.Find("Enemy(Clone)").transform == copy.transform}");
-            print($"by tag: {GameObject.FindWithTag("Player").name} {GameObject.FindGameObjectsWithTag("Player").Length} {GameObject.FindWithTag("none") == null}");
-            print($"around: {enemy.GetComponentInChildren<Renderer>() != null} {enemy.transform.Find("Hand").GetComponentInParent<Enemy>() == enemy} "
-                + $"{enemy.TryGetComponent<Camera>(out _)} {enemy.GetComponents<Component>().Length} {copy.GetComponentsInChildren<Transform>().Length}");
+            Say("by type:", FindObjectsByType<Enemy>(FindObjectsSortMode.None).Length,
+                FindObjectsByType<Enemy>(FindObjectsInactive.Include).Length,
+                FindObjectsOfType<GameObject>().Length > 5, FindAnyObjectByType<Camera>() == null,
+                FindObjectOfType<Things>().name, FindFirstObjectByType<Enemy>().name);
+            Say("by name:", GameObject.Find("Enemy/Arm").name, GameObject.Find("/Hand") == null,
+                GameObject.Find("Enemy(Clone)").transform == copy.transform);
+            Say("by tag:", GameObject.FindWithTag("Player").name, GameObject.FindGameObjectsWithTag("Player").Length,
+                GameObject.FindWithTag("none") == null);
+            Say("around:", enemy.GetComponentInChildren<Renderer>() != null,
+                enemy.transform.Find("Hand").GetComponentInParent<Enemy>() == enemy,
+                enemy.TryGetComponent<Camera>(out _), enemy.GetComponents<Component>().Length,
+                copy.GetComponentsInChildren<Transform>().Length);
             copy.transform.GetChild(0).gameObject.SetActive(false);
-            print($"active: {copy.GetComponentsInChildren<Transform>().Length} {copy.GetComponentsInChildren<Transform>(true).Length} "
-                + $"{copy.transform.Find("Arm/Hand").gameObject.activeSelf} {copy.transform.Find("Arm/Hand").gameObject.activeInHierarchy} {copy.transform.childCount}");
+            Say("active:", copy.GetComponentsInChildren<Transform>().Length,
+                copy.GetComponentsInChildren<Transform>(true).Length,
+                copy.transform.Find("Arm/Hand").gameObject.activeSelf,
+                copy.transform.Find("Arm/Hand").gameObject.activeInHierarchy, copy.transform.childCount);
             foreach (Transform child in enemy.transform) Destroy(child.gameObject);
         }
 
@@ -286,7 +306,8 @@ namespace NetMQExample.PlayTest
             transform.Rotate(Vector3.up, 90);
             transform.Translate(0, 0, 1);
             transform.Translate(Vector3.up, Space.World);
-            print($"moved: {transform.position} {transform.right} {transform.TransformPoint(Vector3.forward)} {transform.InverseTransformPoint(Vector3.zero)}");
+            Say("moved:", transform.position, transform.right, transform.TransformPoint(Vector3.forward),
+                transform.InverseTransformPoint(Vector3.zero));
             transform.Rotate(90, 0, 0, Space.World);
             print($"turned: {transform.forward} {transform.up}");
             transform.RotateAround(Vector3.zero, Vector3.up, 180);
@@ -301,24 +322,33 @@ namespace NetMQExample.PlayTest
         private void Start()
         {
             Vector3 a = new Vector3(3, 4), b = Vector3.back;
-            print($"{a.normalized} {-a} {Vector3.Dot(a, a)} {Vector3.Angle(a, b)} {Vector3.SignedAngle(Vector3.right, Vector3.up, b)} {Vector3.Distance(a, b):F3}");
-            print($"{Vector3.Slerp(Vector3.right, Vector3.up * 3, 0.5f)} {Vector3.Slerp(Vector3.zero, a, 0.5f)} {Vector3.ClampMagnitude(a, 1)} {Vector3.Project(a, Vector3.left)} "
-                + $"{Vector3.ProjectOnPlane(a, Vector3.up)} {Vector3.LerpUnclamped(a, b, 2)}");
+            Say(a.normalized, -a, Vector3.Dot(a, a), Vector3.Angle(a, b),
+                Vector3.SignedAngle(Vector3.right, Vector3.up, b), $"{Vector3.Distance(a, b):F3}");
+            Say(Vector3.Slerp(Vector3.right, Vector3.up * 3, 0.5f), Vector3.Slerp(Vector3.zero, a, 0.5f),
+                Vector3.ClampMagnitude(a, 1), Vector3.Project(a, Vector3.left), Vector3.ProjectOnPlane(a, Vector3.up),
+                Vector3.LerpUnclamped(a, b, 2));
             var velocity = Vector3.zero;
             var near = Vector3.SmoothDamp(Vector3.zero, a, ref velocity, 0.3f);
             print($"{near.x > 0 && near.x < 3} {Vector3.Dot(velocity, a) > 0}");
             Vector2 flat = a;
-            print($"{flat.normalized} {Vector2.Distance(flat, Vector2.up):F2} {Vector2.MoveTowards(flat, Vector2.zero, 5) == Vector2.zero} {-flat} {Vector2.Lerp(flat, Vector2.one, 0.5f)}");
+            Say(flat.normalized, $"{Vector2.Distance(flat, Vector2.up):F2}",
+                Vector2.MoveTowards(flat, Vector2.zero, 5) == Vector2.zero, -flat,
+                Vector2.Lerp(flat, Vector2.one, 0.5f));
             Quaternion left = Quaternion.Euler(0, -60, 0), right = Quaternion.Euler(0, 60, 0);
-            print($"{Quaternion.Angle(left, right):F1} {Quaternion.Slerp(left, right, 0.25f).eulerAngles} {Quaternion.Lerp(left, right, 0.5f) == Quaternion.identity} "
-                + $"{Quaternion.RotateTowards(left, right, 30).eulerAngles} {Quaternion.Slerp(Quaternion.Euler(0, 350, 0), Quaternion.Euler(0, 10, 0), 0.5f).eulerAngles.y:F0} {right}");
-            print($"{Mathf.LerpAngle(350, 20, 0.5f)} {Mathf.SmoothStep(0, 10, 0.5f)} {Mathf.Approximately(0.1f + 0.2f, 0.3f)} {Mathf.Max(1, 5, 3)} {Mathf.Min(2f, 0.5f, 1f)} "
-                + $"{Mathf.Asin(1) * Mathf.Rad2Deg:F0} {Mathf.Log(8, 2)}");
-            print($"{Color.Lerp(Color.black, Color.white, 0.5f)} {Color.red * 0.5f} {((Color32)Color.yellow).g} {Color.grey == Color.gray}");
+            Say($"{Quaternion.Angle(left, right):F1}", Quaternion.Slerp(left, right, 0.25f).eulerAngles,
+                Quaternion.Lerp(left, right, 0.5f) == Quaternion.identity,
+                Quaternion.RotateTowards(left, right, 30).eulerAngles,
+                $"{Quaternion.Slerp(Quaternion.Euler(0, 350, 0), Quaternion.Euler(0, 10, 0), 0.5f).eulerAngles.y:F0}",
+                right);
+            Say(Mathf.LerpAngle(350, 20, 0.5f), Mathf.SmoothStep(0, 10, 0.5f), Mathf.Approximately(0.1f + 0.2f, 0.3f),
+                Mathf.Max(1, 5, 3), Mathf.Min(2f, 0.5f, 1f), $"{Mathf.Asin(1) * Mathf.Rad2Deg:F0}", Mathf.Log(8, 2));
+            Say(Color.Lerp(Color.black, Color.white, 0.5f), Color.red * 0.5f, ((Color32)Color.yellow).g,
+                Color.grey == Color.gray);
             Random.InitState(1);
             var many = Enumerable.Range(0, 300).Select(_ => Random.insideUnitSphere).ToArray();
-            print($"{many.All(one => one.magnitude <= 1)} {many.Any(one => one.y > 0.5f) && many.Any(one => one.z < -0.5f)} {Random.onUnitSphere.magnitude:F2} "
-                + $"{Random.insideUnitCircle.magnitude <= 1} {Quaternion.Dot(Random.rotation, Quaternion.identity) <= 1}");
+            Say(many.All(one => one.magnitude <= 1), many.Any(one => one.y > 0.5f) && many.Any(one => one.z < -0.5f),
+                $"{Random.onUnitSphere.magnitude:F2}", Random.insideUnitCircle.magnitude <= 1,
+                Quaternion.Dot(Random.rotation, Quaternion.identity) <= 1);
             Application.Quit();
         }
     }
@@ -337,13 +367,16 @@ namespace NetMQExample.PlayTest
             Debug.DrawRay(Vector3.zero, Vector3.up, Color.red);
             PlayerPrefs.SetInt("score", 5);
             PlayerPrefs.SetString("name", "Ann");
-            print($"prefs: {PlayerPrefs.GetInt("score")} {PlayerPrefs.GetInt("other", -1)} {PlayerPrefs.GetFloat("score")} {PlayerPrefs.HasKey("name")} '{PlayerPrefs.GetString("none")}'");
+            Say("prefs:", PlayerPrefs.GetInt("score"), PlayerPrefs.GetInt("other", -1), PlayerPrefs.GetFloat("score"),
+                PlayerPrefs.HasKey("name"), $"'{PlayerPrefs.GetString("none")}'");
             PlayerPrefs.DeleteAll();
-            print($"keys: {Input.GetKeyUp(KeyCode.Escape)} {Input.GetButtonDown("Jump")} {Input.GetAxisRaw("Mouse X")} {Input.GetMouseButton(0)} {Input.anyKey} {(int)KeyCode.Z} {(int)KeyCode.F12}");
+            Say("keys:", Input.GetKeyUp(KeyCode.Escape), Input.GetButtonDown("Jump"), Input.GetAxisRaw("Mouse X"),
+                Input.GetMouseButton(0), Input.anyKey, (int)KeyCode.Z, (int)KeyCode.F12);
             var order = new Loot { what = "tea", coins = { 1, 2 } };
             print(JsonUtility.ToJson(order, true));
-            print($"json: {JsonUtility.FromJson<Loot>("") == null} {((Loot)JsonUtility.FromJson(JsonUtility.ToJson(order), typeof(Loot))).coins.Count} "
-                + $"{JsonUtility.ToJson(new Pose(Vector3.one, Quaternion.identity))}");
+            Say("json:", JsonUtility.FromJson<Loot>("") == null,
+                ((Loot)JsonUtility.FromJson(JsonUtility.ToJson(order), typeof(Loot))).coins.Count,
+                JsonUtility.ToJson(new Pose(Vector3.one, Quaternion.identity)));
             JsonUtility.FromJsonOverwrite("", order);
             JsonUtility.FromJsonOverwrite("{\"what\":\"milk\"}", order);
             try { JsonUtility.ToJson(transform); }

@@ -1,5 +1,5 @@
-// Scripts do what scripts do in Unity, and this prints how the player took it: one Play for the order of events, and one
-// for the rest.
+// Scripts do what scripts do in Unity, and this prints how the player took it: one Play for the order of events, and
+// one for the rest.
 using System;
 using System.Collections;
 using System.Collections.Generic;
@@ -20,17 +20,13 @@ namespace NetMQExample.PlayTest
         {
             Events();
             var player = new Player(typeof(NetMQLifetime).Assembly);
-            HelloBackground hello = null;
             player.Begin(() =>
             {
                 ShowLines();
                 DrawShapes();
                 RunInBackground();
-                hello = ShowState();
                 WriteJson();
             });
-            player.Frame();
-            Console.WriteLine($"in the scene: {hello.GetComponent<TextMesh>().text.Split('\n')[0]}");
             player.Stop();
             Application.runInBackground = true;
             return 0;
@@ -41,7 +37,8 @@ namespace NetMQExample.PlayTest
             var player = new Player(typeof(Habits).Assembly);
             player.Begin(() => new GameObject("first").AddComponent<Ordered>());
             player.Frame();
-            // After a long frame several FixedUpdates come in the next one, which has to make up for it, but not for all of it.
+            // After a long frame several FixedUpdates come in the next one, which has to make up for it, but not for
+            // all of it.
             Thread.Sleep(500);
             player.Frame();
             player.Stop();
@@ -51,7 +48,8 @@ namespace NetMQExample.PlayTest
         {
             var text = new GameObject("text");
             text.AddComponent<LastLine>();
-            foreach (var line in new[] { "a line", $"{new string('a', 59)} b {new string('c', 70)} d\n{new string('e', 60)} f" })
+            foreach (var line in new[] { "a line",
+                $"{new string('a', 59)} b {new string('c', 70)} d\n{new string('e', 60)} f" })
             {
                 Debug.Log(line);
                 Console.WriteLine($"shown: {text.GetComponent<TextMesh>().text.Replace("\n", "|")}");
@@ -64,13 +62,15 @@ namespace NetMQExample.PlayTest
             var moved = new GameObject("moved");
             moved.AddComponent<Cube>();
             moved.transform.position = Vector3.up;
-            Console.WriteLine($"a cube: {string.Join(" ", moved.transform.GetComponentsInChildren<Renderer>().Select(part => part.transform.position))}");
+            var parts = moved.transform.GetComponentsInChildren<Renderer>();
+            Console.WriteLine($"a cube: {string.Join(" ", parts.Select(part => part.transform.position))}");
             foreach (var shaders in new[] { null, Urp.Take(1).ToArray(), Urp })
             {
                 foreach (var editor in new[] { true, false })
                 {
                     (Player.UrpShaders, Application.Editor) = (shaders, editor);
-                    var shape = Cube.Make(Vector3.one, new Color32((byte)(shaders?.Length ?? 0), editor ? (byte)1 : (byte)0, 0, 255));
+                    var colour = new Color32((byte)(shaders?.Length ?? 0), editor ? (byte)1 : (byte)0, 0, 255);
+                    var shape = Cube.Make(Vector3.one, colour);
                     Console.WriteLine($"drawn by: {shape.GetComponent<Renderer>().sharedMaterial.Drawn}");
                 }
             }
@@ -92,26 +92,13 @@ namespace NetMQExample.PlayTest
             }
         }
 
-        // A headset shows no OnGUI.
-        private static HelloBackground ShowState()
-        {
-            var thing = new GameObject("state");
-            thing.SetActive(false);
-            var hello = thing.AddComponent<HelloBackground>();
-            Inspector.Set(new MonoBehaviour[] { hello }, "endpoint", "tcp://127.0.0.1:9");
-            Inspector.Set(new MonoBehaviour[] { hello }, "timeout", "60");
-            thing.AddComponent<TextMesh>();
-            thing.AddComponent<HelloWorldHud>();
-            thing.SetActive(true);
-            return hello;
-        }
-
         // A class comes back with its serialized fields; others are passed over, as by Unity's serializer.
         private static void WriteJson()
         {
             var written = JsonUtility.ToJson(new Order { hp = 3, path = { Vector3.up }, text = "a \"word\",\n" });
             var read = JsonUtility.FromJson<Order>(written.Replace("3", "-4").Replace("0.5", "2.5e-1"));
-            Console.WriteLine($"JSON: {written} {read.hp} {read.speeds[1]} {read.path[0]} {read.to.who} {read.text.Length} {read.Unseen}");
+            Console.WriteLine($"JSON: {written} {read.hp} {read.speeds[1]} {read.path[0]} {read.to.who} "
+                + $"{read.text.Length} {read.Unseen}");
             foreach (var wrong in new[] { "{\"hp\":}", "{\"hp\":1", "hp", "[1]" })
                 try { Console.WriteLine($"read {wrong}: {JsonUtility.FromJson<Order>(wrong).hp}"); }
                 catch (ArgumentException e) { Console.WriteLine($"no JSON: {e.Message}"); }
@@ -139,7 +126,8 @@ namespace NetMQExample.PlayTest
 
         private async void Update()
         {
-            Say($"Update, deltaTime is capped: {Time.deltaTime <= Time.maximumDeltaTime && Time.deltaTime <= Time.unscaledDeltaTime}");
+            var capped = Time.deltaTime <= Time.maximumDeltaTime && Time.deltaTime <= Time.unscaledDeltaTime;
+            Say($"Update, deltaTime is capped: {capped}");
             // A continuation that is ready at once, but must not run before the others had their Update.
             await Task.Yield();
             Say($"after await, on the main thread: {Thread.CurrentThread == main}");

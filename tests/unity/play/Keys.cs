@@ -16,19 +16,24 @@ namespace NetMQExample.PlayTest
                 Say(key);
             }
             for (var i = 0; i < 2; i++)
-                Console.WriteLine($"nothing {Nothing.ArrowKeys.Horizontal} {Nothing.ArrowKeys.Vertical} {Nothing.ArrowKeys.Space} {Nothing.ArrowKeys.Enter}");
+                Console.WriteLine($"nothing {Nothing.ArrowKeys.Horizontal} {Nothing.ArrowKeys.Vertical} "
+                    + $"{Nothing.ArrowKeys.Space} {Nothing.ArrowKeys.Enter}");
             return 0;
         }
 
         private static void Say(object what) => Console.WriteLine(
-            $"{what} {Package.ArrowKeys.Horizontal} {Package.ArrowKeys.Vertical} {Package.ArrowKeys.Space} {Package.ArrowKeys.Enter}");
+            $"{what} {Package.ArrowKeys.Horizontal} {Package.ArrowKeys.Vertical} "
+            + $"{Package.ArrowKeys.Space} {Package.ArrowKeys.Enter}");
     }
 }
 
 // The script names these of com.unity.inputsystem, as its Keyboard.cs and ButtonControl.cs declare them.
 namespace UnityEngine.InputSystem
 {
-    internal enum Key { Space = 1, Enter, A = 15, D = 18, S = 33, W = 37, LeftArrow = 61, RightArrow, UpArrow, DownArrow }
+    internal enum Key
+    {
+        Space = 1, Enter, A = 15, D = 18, S = 33, W = 37, LeftArrow = 61, RightArrow, UpArrow, DownArrow,
+    }
 
     internal sealed class KeyControl
     {

@@ -11,13 +11,14 @@ namespace NetMQExample.PlayTest
     /// that.</summary>
     public sealed class LateClient : NetworkBehaviour
     {
-        private static readonly ManualResetEvent Unloading = new ManualResetEvent(false), Tried = new ManualResetEvent(false);
+        private static readonly ManualResetEvent Unloading = new ManualResetEvent(false),
+            Tried = new ManualResetEvent(false);
 
         [SerializeField] private string endpoint = "tcp://127.0.0.1:5551";
 
         static LateClient()
         {
-            // What is told first that the domain is unloaded is NetMQLifetime, which finds nobody to wait for.
+            // NetMQLifetime is told first that the domain is unloaded, and finds nobody to wait for.
             RuntimeHelpers.RunClassConstructor(typeof(NetMQLifetime).TypeHandle);
             AppDomain.CurrentDomain.DomainUnload += (domain, nothing) =>
             {

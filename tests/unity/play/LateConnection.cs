@@ -8,7 +8,8 @@ using UnityEngine;
 
 namespace NetMQExample.PlayTest
 {
-    /// <summary>Leaves a connection that has not begun yet, and prints whether all of it ends before the reload.</summary>
+    /// <summary>Leaves a connection that has not begun yet, and prints whether all of it ends before the
+    /// reload.</summary>
     public sealed class LateConnection : MonoBehaviour
     {
         private void OnDestroy()

@@ -2,8 +2,10 @@
 //
 //     … play.dll areas 16 play --endpoint tcp://127.0.0.1:5560     until Python has closed the environment
 //     … play.dll areas 16 warn --endpoint tcp://127.0.0.1:5560     the same, and each step of physics is warned of
-//     … play.dll areas 16 switch                                   whose physics it is, as one after the other is disabled
-//     … play.dll areas 16 rate --endpoint tcp://127.0.0.1:5560     the same, and how fast frames may come, when that changes
+//     … play.dll areas 16 switch                                   whose physics it is, as one after the other is
+//                                                                  disabled
+//     … play.dll areas 16 rate --endpoint tcp://127.0.0.1:5560     the same, and how fast frames may come, when that
+//                                                                  changes
 //     … play.dll areas 16 keep …                                   with Keep Frame Rate
 //     … play.dll areas 16 set …                                    a script sets the rate while Python steps
 //     … play.dll areas 16 off …                                    it is disabled while Python steps
@@ -65,7 +67,8 @@ namespace NetMQExample.PlayTest
             return player.Errors > 0 ? 1 : 0;
         }
 
-        private static string Rate => FormattableString.Invariant($"frames: {QualitySettings.vSyncCount} {Application.targetFrameRate}");
+        private static string Rate =>
+            FormattableString.Invariant($"frames: {QualitySettings.vSyncCount} {Application.targetFrameRate}");
 
         // An area, which takes no physics, and then of two that do the first one.
         private static void Switch(CartPoleAreas areas, CartPoleEnvironment[] worlds)

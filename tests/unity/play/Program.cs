@@ -7,15 +7,13 @@
 //     … play.dll first Waiting                           a Play of one script of FirstScripts.cs
 //     … play.dll flood 1 tcp://127.0.0.1:5551 150        a Play in which each line of the log costs 0.3 ms
 //     … play.dll wrong 4 tries 0 …                       Plays of ten frames, each with a field that is wrong
-//     … play.dll views front front                       a Play of lesson 12 with cameras of these names
 //     … play.dll drive fail=20 count=50 …                lesson 08 with what may happen to it; see Drives.cs
 //     … play.dll rays                                   what rays meet; see Rays.cs
 //     … play.dll cameras                                what a camera sees, and what it leaves; see Cameras.cs
 //     … play.dll body count=60 …                         application 20; see Bodies.cs
-//     … play.dll cost 14 300 count=100 …                 what 300 frames of a lesson cost; see Costs.cs
 //     … play.dll areas 16 play --endpoint …              lesson 10's areas in a scene; see ManyAreas.cs
 //     … play.dll quiet world --endpoint …                what frames cost in which Python steps; see Quiet.cs
-//     … play.dll keys                                    what ArrowKeys makes of the package Input System; see Keys.cs
+//     … play.dll keys                                    what ArrowKeys makes of the Input System; see Keys.cs
 //     … play.dll forgotten                               no Play: a socket is not disposed, and the process ends
 //
 // "play 1 tcp://127.0.0.1:5551 2" has two of lesson 1's clients in the scene. It prints "ready", "playing", what the
@@ -27,7 +25,6 @@ using System.Collections.Generic;
 using System.Diagnostics;
 using System.Globalization;
 using System.Linq;
-using System.Reflection;
 using System.Runtime.CompilerServices;
 using System.Threading;
 using UnityEngine;
@@ -44,7 +41,8 @@ namespace NetMQExample.PlayTest
 
         private static int Main(string[] words)
         {
-            // Mono 6.8: when two threads make the first writers of a program at the same moment, one may lack its line end.
+            // Mono 6.8: when two threads make the first writers of a program at the same moment, one may lack its line
+            // end.
             _ = Console.Out;
             switch (words[0])
             {
@@ -52,7 +50,6 @@ namespace NetMQExample.PlayTest
                 case "habits": return Habits.Print();
                 case "first": return FirstScripts.Play(words[1]);
                 case "keys": return Keys.Print();
-                case "cost": return Costs.Run(words[1], words[2], words.Skip(3).ToArray());
                 case "areas": return ManyAreas.Run(int.Parse(words[1], CultureInfo.InvariantCulture), words[2]);
                 case "quiet": return Quiet.Run(words[1]);
                 case "cameras": return Cameras.Run();
@@ -61,7 +58,6 @@ namespace NetMQExample.PlayTest
                 case "body": return Bodies.Run(words.Skip(1).ToArray());
                 case "forgotten": return Forget();
                 case "flood": return Flood(words[1], words[2], int.Parse(words[3], CultureInfo.InvariantCulture));
-                case "views": return Views(words.Skip(1).ToArray());
                 case "wrong": return Wrong(words);
                 case "play": return Play(words[1], words[2], int.Parse(words[3], CultureInfo.InvariantCulture));
             }
@@ -107,7 +103,8 @@ namespace NetMQExample.PlayTest
             var all = new List<GameObject>();
             player.Begin(() =>
             {
-                for (var i = clients; i > 0; i--) all.Add(first = MakeObject($"client {i}", types, endpoint, int.MaxValue));
+                for (var i = clients; i > 0; i--)
+                    all.Add(first = MakeObject($"client {i}", types, endpoint, int.MaxValue));
             });
             Console.WriteLine("playing");
             var frozen = false;
@@ -143,10 +140,9 @@ namespace NetMQExample.PlayTest
         private static int Forget()
         {
             ForgetfulClient.Forget("tcp://127.0.0.1:9");
+            // It listens to the end of its domain, as NetMQLifetime does.
             RuntimeHelpers.RunClassConstructor(typeof(DotNetConnection).TypeHandle);
-            var field = typeof(AppDomain).GetField("DomainUnload", BindingFlags.Instance | BindingFlags.NonPublic);
-            var all = (Delegate)field.GetValue(AppDomain.CurrentDomain);
-            Console.WriteLine($"{all?.GetInvocationList().Length ?? 0} listen to the end of their domain");
+            Console.WriteLine("forgotten");
             return 0;
         }
 
@@ -184,26 +180,13 @@ namespace NetMQExample.PlayTest
                     Console.WriteLine($"done before it was enabled: {player.Done}");
                     foreach (var part in Scripts.Of(lessons, script).Select(type => thing.GetComponent(type)))
                         foreach (var field in Inspector.Fields(part.GetType()).Where(field => field.Name == name))
-                            field.SetValue(part, Convert.ChangeType(value, field.FieldType, CultureInfo.InvariantCulture));
+                            field.SetValue(part,
+                                Convert.ChangeType(value, field.FieldType, CultureInfo.InvariantCulture));
                     thing.SetActive(true);
                 });
                 UntilDone(player);
             }
             return 0;
-        }
-
-        private static int Views(string[] names)
-        {
-            var player = new Player(typeof(NetMQLifetime).Assembly);
-            player.Begin(() =>
-            {
-                var thing = new GameObject("views");
-                thing.SetActive(false);
-                var recorder = thing.AddComponent<ViewRecorder>();
-                recorder.Cameras.AddRange(names.Select(name => new GameObject(name).AddComponent<Camera>()));
-                thing.SetActive(true);
-            });
-            return UntilDone(player);
         }
 
         private static int UntilDone(Player player)
@@ -222,18 +205,24 @@ namespace NetMQExample.PlayTest
         {
             var thing = new GameObject(name);
             thing.SetActive(false);
-            foreach (var script in types.Select(type => (MonoBehaviour)(thing.GetComponent(type) ?? thing.AddComponent(type))))
+            foreach (var script in Scripts.AddTo(thing, types))
             {
                 var asksAgain = Inspector.Fields(script.GetType()).Any(field => field.Name == "tries");
                 foreach (var field in Inspector.Fields(script.GetType()))
                 {
-                    if (field.GetValue(script) is string text && text.Contains("://127.0.0.1:")) field.SetValue(script, endpoint);
+                    if (field.GetValue(script) is string text && text.Contains("://127.0.0.1:"))
+                        field.SetValue(script, endpoint);
                     // A job that lasts as long as the others.
                     if (script is JobRunner && field.Name == "kind") field.SetValue(script, "count");
                     // A client that asks once gives up at the first reply that is late, which is no question here.
-                    if (field.Name == "timeout" && field.GetValue(script) is float timeout && !asksAgain) field.SetValue(script, Math.Max(timeout, 20f));
+                    if (field.Name == "timeout" && field.GetValue(script) is float timeout && !asksAgain)
+                        field.SetValue(script, Math.Max(timeout, 20f));
                     // As a rule so many that it is still asking when Stop comes.
-                    if (field.Name == "count") field.SetValue(script, script is JobRunner ? Math.Min(count, 2000) : script is TalkingCharacter ? Math.Min(count, 200) : count);
+                    if (field.Name == "count")
+                        field.SetValue(script,
+                            script is JobRunner
+                                ? Math.Min(count, 2000)
+                                : script is TalkingCharacter ? Math.Min(count, 200) : count);
                 }
             }
             thing.SetActive(on);

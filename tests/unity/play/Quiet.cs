@@ -22,7 +22,8 @@ namespace NetMQExample.PlayTest
 
         public override GymSpace Action { get; } = GymSpace.Box(-1, 1, 2);
 
-        public override void ResetWorld(RandomGenerator random, IReadOnlyDictionary<string, object> options, double[] state) =>
+        public override void ResetWorld(
+            RandomGenerator random, IReadOnlyDictionary<string, object> options, double[] state) =>
             (one, two) = (0, 0);
 
         protected override void Act(SpaceReader action) => (one, two) = (action[0], action[1]);
@@ -50,7 +51,8 @@ namespace NetMQExample.PlayTest
             ("right", GymSpace.Discrete(2), GymSpace.Discrete(2)),
         };
 
-        public override void ResetWorld(RandomGenerator random, IReadOnlyDictionary<string, object> options) => (left, right) = (0, 0);
+        public override void ResetWorld(RandomGenerator random, IReadOnlyDictionary<string, object> options) =>
+            (left, right) = (0, 0);
 
         protected override void Act(IReadOnlyDictionary<string, SpaceReader> actions) =>
             (left, right) = (actions["left"][0], actions["right"][0]);
@@ -61,7 +63,8 @@ namespace NetMQExample.PlayTest
             else seen.Add(right);
         }
 
-        public override (double Reward, bool Terminated, bool Truncated) RewardAndEnd(string agent, IDictionary<string, object> info)
+        public override (double Reward, bool Terminated, bool Truncated) RewardAndEnd(
+            string agent, IDictionary<string, object> info)
         {
             Quiet.Judged++;
             return (left, false, false);

@@ -50,7 +50,8 @@ namespace NetMQExample.PlayTest
         {
             var seen = new float[12];
             new RayView(car, 1, 90, 4, radius, layers, "wall", "coin").Observe(seen);
-            Console.WriteLine($"{what}: {string.Join(" ", seen.Select(one => one.ToString("0.###", CultureInfo.InvariantCulture)))}");
+            Console.WriteLine(
+                $"{what}: {string.Join(" ", seen.Select(one => one.ToString("0.###", CultureInfo.InvariantCulture)))}");
         }
     }
 }

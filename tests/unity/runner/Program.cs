@@ -1,7 +1,7 @@
 // Runs the package's tests in the player, each in a Play of its own: `dotnet runner.dll`, `mono runner.dll`.
 //
-// Prints a line for each, "passed NAME" or "FAILED NAME: why", among what the scripts log. A test's coroutine goes on once
-// in each frame, and one that it returns is done first, as in Unity.
+// Prints a line for each, "passed NAME" or "FAILED NAME: why", among what the scripts log. A test's coroutine goes on
+// once in each frame, and one that it returns is done first, as in Unity.
 using System;
 using System.Collections;
 using System.Collections.Generic;
@@ -71,7 +71,8 @@ namespace NetMQExample.UnityTests
             try
             {
                 while (test.MoveNext())
-                    if (test.Current is IEnumerator inner) for (var steps = Steps(inner); steps.MoveNext();) yield return null;
+                    if (test.Current is IEnumerator inner)
+                        for (var steps = Steps(inner); steps.MoveNext();) yield return null;
                     else yield return null;
             }
             finally { (test as IDisposable)?.Dispose(); }

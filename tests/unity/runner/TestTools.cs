@@ -18,9 +18,11 @@ namespace UnityEngine.TestTools
 
         public static bool ignoreFailingMessages { get; set; }
 
-        public static void Expect(LogType type, string message) => Expected.Enqueue((type, line => line == message, message));
+        public static void Expect(LogType type, string message) =>
+            Expected.Enqueue((type, line => line == message, message));
 
-        public static void Expect(LogType type, Regex message) => Expected.Enqueue((type, message.IsMatch, $"{message}"));
+        public static void Expect(LogType type, Regex message) =>
+            Expected.Enqueue((type, message.IsMatch, $"{message}"));
 
         internal static void Begin()
         {
@@ -41,7 +43,8 @@ namespace UnityEngine.TestTools
                 else if (type != LogType.Log && type != LogType.Warning && !ignoreFailingMessages)
                     throw new AssertionException($"Unhandled log message: {line}");
             }
-            if (Expected.Count > 0) throw new AssertionException($"Expected log did not appear: {Expected.Peek().Words}");
+            if (Expected.Count > 0)
+                throw new AssertionException($"Expected log did not appear: {Expected.Peek().Words}");
         }
     }
 }

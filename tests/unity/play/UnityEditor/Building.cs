@@ -53,7 +53,8 @@ namespace UnityEditor.Build
 
     public interface IUnityLinkerProcessor : IOrderedCallback
     {
-        string GenerateAdditionalLinkXmlFile(Reporting.BuildReport report, UnityLinker.UnityLinkerBuildPipelineData data);
+        string GenerateAdditionalLinkXmlFile(
+            Reporting.BuildReport report, UnityLinker.UnityLinkerBuildPipelineData data);
     }
 }
 

@@ -9,15 +9,8 @@ namespace UnityEditor
     public sealed class MenuItem : Attribute
     {
         public string menuItem;
-        public bool validate;
-        public int priority;
 
-        public MenuItem(string itemName) : this(itemName, false) { }
-
-        public MenuItem(string itemName, bool isValidateFunction) : this(itemName, isValidateFunction, 1000) { }
-
-        public MenuItem(string itemName, bool isValidateFunction, int priority) =>
-            (menuItem, validate, this.priority) = (itemName, isValidateFunction, priority);
+        public MenuItem(string itemName, bool isValidateFunction, int priority) => menuItem = itemName;
     }
 
     [AttributeUsage(AttributeTargets.Method)]
@@ -42,8 +35,6 @@ namespace UnityEditor
     {
         EnteredEditMode,
         ExitingEditMode,
-        EnteredPlayMode,
-        ExitingPlayMode,
     }
 
     public sealed class EditorApplication
@@ -70,7 +61,8 @@ namespace UnityEditor
 
         public static void SetString(string key, string value) => Kept[key] = value;
 
-        public static string GetString(string key, string defaultValue) => Kept.TryGetValue(key, out var value) ? value : defaultValue;
+        public static string GetString(string key, string defaultValue) =>
+            Kept.TryGetValue(key, out var value) ? value : defaultValue;
     }
 
     public class EditorUtility

@@ -17,7 +17,8 @@ namespace UnityEditor.UIElements
     {
         private InspectorElement() { }
 
-        public static void FillDefaultInspector(VisualElement container, SerializedObject serializedObject, Editor editor) =>
+        public static void FillDefaultInspector(
+            VisualElement container, SerializedObject serializedObject, Editor editor) =>
             container.Add(new IMGUIContainer(() => Drawing.Lines.Add($"fields of {editor.target.GetType().Name}")));
     }
 }

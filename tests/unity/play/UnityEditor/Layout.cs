@@ -42,9 +42,8 @@ namespace UnityEditor
     {
         public static void HelpBox(string message, MessageType type) => Drawing.Lines.Add($"{type}: {message}");
 
-        public static void LabelField(string label, string label2, params GUILayoutOption[] options) => Drawing.Lines.Add($"{label}: {label2}");
-
-        public static string TextField(string label, string text, params GUILayoutOption[] options) => Drawing.Field(label, text);
+        public static string TextField(string label, string text, params GUILayoutOption[] options) =>
+            Drawing.Field(label, text);
 
         public static string TextArea(string text, params GUILayoutOption[] options)
         {
@@ -52,10 +51,12 @@ namespace UnityEditor
             return text;
         }
 
-        public static int Popup(string label, int selectedIndex, string[] displayedOptions, params GUILayoutOption[] options) =>
+        public static int Popup(
+            string label, int selectedIndex, string[] displayedOptions, params GUILayoutOption[] options) =>
             Array.IndexOf(displayedOptions, Drawing.Field(label, displayedOptions[selectedIndex]));
 
-        public static Vector2 BeginScrollView(Vector2 scrollPosition, params GUILayoutOption[] options) => scrollPosition;
+        public static Vector2 BeginScrollView(Vector2 scrollPosition, params GUILayoutOption[] options) =>
+            scrollPosition;
 
         public static void EndScrollView() { }
     }

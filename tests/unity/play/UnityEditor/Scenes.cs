@@ -11,8 +11,6 @@ namespace UnityEditor
     [AttributeUsage(AttributeTargets.Class, AllowMultiple = true)]
     public class CustomEditor : Attribute
     {
-        public CustomEditor(Type inspectedType) { }
-
         public CustomEditor(Type inspectedType, bool editorForChildClasses) { }
     }
 
@@ -101,7 +99,8 @@ namespace UnityEditor
 
     public class Undo
     {
-        public static void RegisterCreatedObjectUndo(Object objectToUndo, string name) => Drawing.Lines.Add($"undo: {name}");
+        public static void RegisterCreatedObjectUndo(Object objectToUndo, string name) =>
+            Drawing.Lines.Add($"undo: {name}");
     }
 
     public sealed class Selection

@@ -155,6 +155,15 @@ namespace NetMQExample
             return message;
         }
 
+        /// <summary>This reply, unless it is an error, which is thrown.</summary>
+        internal Message OrThrow()
+        {
+            if (Kind != "error") return this;
+            var code = Values.GetValueOrDefault("code") ?? "not said";
+            var text = Values.GetValueOrDefault("text") ?? "not said";
+            throw new MessageException(LogText.Printable($"{code}"), LogText.Printable($"{text}"), Id);
+        }
+
         private static MessageArray ReadArray(object array, ReadOnlyMemory<byte> data)
         {
             var dtype = Take<string>(array, "dtype");

@@ -79,11 +79,7 @@ namespace NetMQExample
                 Connection.Close();
                 throw;
             }
-            if (reply.Kind != "error") return reply;
-            var code = reply.Values.GetValueOrDefault("code");
-            var text = reply.Values.GetValueOrDefault("text");
-            throw new MessageException(LogText.Printable($"{code ?? "not said"}"),
-                LogText.Printable($"{text ?? "not said"}"), reply.Id);
+            return reply.OrThrow();
         }
 
         /// <summary>Sends one message and receives another: the header, and a frame for each array.</summary>

@@ -2,7 +2,7 @@
 //
 //     var readback = new CameraReadback(camera, pixels);     the camera has a targetTexture, and is not enabled
 //     readback.Begin();                                      it renders now: what it shows is this moment
-//     if (readback.Poll() && !readback.Failed) …             in each Update; after a frame or two the pixels are there
+//     if (readback.Poll() && !readback.Failed) …             in each Update; a frame or two later they are there
 // All of it on Unity's main thread, in URP and in the built-in pipeline.
 //
 // Trouble: without AsyncGPUReadback (OpenGL ES 3.0, for one) Unity waits for each picture; with -nographics there are

@@ -27,7 +27,8 @@ namespace NetMQExample
         public override GymSpace Action => world.Action;
 
         /// <inheritdoc/>
-        public override void ResetWorld(RandomGenerator random, IReadOnlyDictionary<string, object> options, double[] state) =>
+        public override void ResetWorld(
+            RandomGenerator random, IReadOnlyDictionary<string, object> options, double[] state) =>
             world.ResetWorld(random, options, state);
 
         /// <inheritdoc/>
@@ -37,7 +38,8 @@ namespace NetMQExample
         public override void Observe(SpaceWriter seen) => world.Observe(seen);
 
         /// <inheritdoc/>
-        public override (double Reward, bool Terminated, bool Truncated) RewardAndEnd(IDictionary<string, object> info) =>
+        public override (double Reward, bool Terminated, bool Truncated) RewardAndEnd(
+            IDictionary<string, object> info) =>
             world.RewardAndEnd(info);
 
         /// <inheritdoc/>

@@ -190,11 +190,7 @@ namespace NetMQExample
                     step.Read(received.SliceAsMemory());
                     return null;
                 }
-                var message = Message.Read(Frames());
-                if (message.Kind != "error") return message;
-                var code = message.Values.GetValueOrDefault("code");
-                var text = message.Values.GetValueOrDefault("text");
-                throw new MessageException(LogText.Printable($"{code}"), LogText.Printable($"{text}"));
+                return Message.Read(Frames()).OrThrow();
             }
             throw new TimeoutException("the environment is gone, or silent");
         }

@@ -48,7 +48,8 @@ namespace NetMQExample
         public abstract GymSpace Action { get; }
 
         /// <inheritdoc/>
-        public abstract void ResetWorld(RandomGenerator random, IReadOnlyDictionary<string, object> options, double[] state);
+        public abstract void ResetWorld(
+            RandomGenerator random, IReadOnlyDictionary<string, object> options, double[] state);
 
         /// <summary>Does an action. Physics is simulated after it.</summary>
         protected abstract void Act(SpaceReader action);

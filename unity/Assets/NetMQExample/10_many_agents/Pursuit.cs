@@ -106,7 +106,8 @@ namespace NetMQExample
         }
 
         /// <inheritdoc/>
-        public (double Reward, bool Terminated, bool Truncated) RewardAndEnd(string agent, IDictionary<string, object> info) =>
+        public (double Reward, bool Terminated, bool Truncated) RewardAndEnd(
+            string agent, IDictionary<string, object> info) =>
             (Find(agent).Reward, gone.Contains(Find(agent)) || !Hunters.Any() || !Rabbits.Any(), false);
 
         /// <inheritdoc/>

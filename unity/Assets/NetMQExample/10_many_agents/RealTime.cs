@@ -100,7 +100,8 @@ namespace NetMQExample
         public void Observe(string agent, SpaceWriter seen) => game.Observe(agent, seen);
 
         /// <inheritdoc/>
-        public (double Reward, bool Terminated, bool Truncated) RewardAndEnd(string agent, IDictionary<string, object> info)
+        public (double Reward, bool Terminated, bool Truncated) RewardAndEnd(
+            string agent, IDictionary<string, object> info)
         {
             var verdict = verdicts[agent];
             foreach (var value in verdict.Info) info[value.Key] = value.Value;

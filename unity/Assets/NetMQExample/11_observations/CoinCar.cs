@@ -45,7 +45,8 @@ namespace NetMQExample
         {
             (x, y) = (Field / 2, Field / 2);
             Spots.Clear();
-            for (var i = 0; i < Coins; i++) Spots.Add((1 + 8 * State.RandomGenerator.Next(), 1 + 8 * State.RandomGenerator.Next()));
+            for (var i = 0; i < Coins; i++)
+                Spots.Add((1 + 8 * State.RandomGenerator.Next(), 1 + 8 * State.RandomGenerator.Next()));
             push = new float[2];
             boost = 0;
             says = "";

@@ -197,7 +197,8 @@ namespace NetMQExample
             var generators = new Dictionary<long, RandomGenerator>();
             var waiting = Enumerable.Range(0, asked.Count).Where(i => request.OrderOf(i) == Order.Reset).ToList();
             foreach (var i in waiting)
-                if (!generators.ContainsKey(request.Seed(i))) generators[request.Seed(i)] = new RandomGenerator(request.Seed(i));
+                if (!generators.ContainsKey(request.Seed(i)))
+                    generators[request.Seed(i)] = new RandomGenerator(request.Seed(i));
             if (waiting.Count == asked.Count)
             {
                 infos.Clear();

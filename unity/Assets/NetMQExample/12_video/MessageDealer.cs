@@ -68,12 +68,9 @@ namespace NetMQExample
                     throw new TimeoutException("Python is gone");
                 }
                 connection.Show(false, frames);
-                var message = Message.Read(
-                    frames.Select(frame => new ReadOnlyMemory<byte>(frame.Buffer, 0, frame.MessageSize)).ToList());
-                if (message.Kind != "error") return message;
-                var code = message.Values.GetValueOrDefault("code");
-                var text = message.Values.GetValueOrDefault("text");
-                throw new MessageException(LogText.Printable($"{code}"), LogText.Printable($"{text}"));
+                return Message.Read(
+                    frames.Select(frame => new ReadOnlyMemory<byte>(frame.Buffer, 0, frame.MessageSize)).ToList())
+                    .OrThrow();
             }
             return null;
         }

@@ -1,4 +1,4 @@
-// What is thrown when something will not be done, though nobody waited too long for it: that is a TimeoutException.
+// It is thrown when something will not be done, though nobody waited too long for it: that is a TimeoutException.
 // In Python: errors.py.
 using System.IO;
 

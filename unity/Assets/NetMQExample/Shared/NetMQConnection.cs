@@ -106,7 +106,7 @@ namespace NetMQExample
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
         public static void Connect(NetMQSocket socket, string endpoint, long maxBytes = 65536)
         {
-            // What is under way is dropped when the socket is closed; waiting for its delivery could take for ever.
+            // Messages under way are dropped when the socket is closed; waiting for their delivery could take for ever.
             socket.Options.Linger = TimeSpan.Zero;
             socket.Options.MaxMsgSize = maxBytes;
             // At most 64 MB, or two messages, wait to be read. NetMQ itself counts only messages, up to 1000.

@@ -12,7 +12,8 @@ namespace NetMQExample
     {
         [RuntimeInitializeOnLoadMethod(RuntimeInitializeLoadType.BeforeSceneLoad)]
         private static void Say() =>
-            Debug.Log("NetMQExample needs its gateway in a browser, which has no sockets for NetMQ: lesson 16. See docs/guide/devices.md.");
+            Debug.Log("NetMQExample needs its gateway in a browser, which has no sockets for NetMQ: lesson 16. "
+                + "See docs/guide/devices.md.");
     }
 }
 #endif
