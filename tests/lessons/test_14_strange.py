@@ -400,63 +400,6 @@ def test_what_a_strange_server_says_of_a_job_is_one_line(side, context, runs):
     assert [run.code for run in found[-3:]] == [2, 2, 2]
 
 
-# The classes' own refusals
-
-
-def nothing(total, finished, text):
-    yield from ()
-
-
-@pytest.fixture
-def made(context, tmp_path):
-    """One of each, by its name."""
-    journal = Journal(tmp_path / "journal.sqlite3")
-    kinds = {"nothing": Kind(nothing, most=1)}
-    where = "tcp://127.0.0.1:1"
-    with closing(Jobs(journal, kinds).workers), JobClient(where, context=context) as client:
-        yield {"where": where, "journal": journal, "kinds": kinds, "client": client}
-
-
-def test_what_a_method_cannot_use_is_named(made):
-    kinds, journal, client, where = (made[name] for name in ("kinds", "journal", "client", "where"))
-    table: list[Any] = [
-        ("work", lambda value: Kind(value, 1), None, "count"),
-        ("most", lambda value: Kind(nothing, value), 0, 0.5),
-        ("has_checkpoint", lambda value: Kind(nothing, 1, value), 0),
-        ("done", lambda value: Step(value, 1), -1, 2**53),
-        ("total", lambda value: Step(1, value), -1),
-        ("text", lambda value: Step(1, 1, value), 0),
-        ("checkpoint", lambda value: Step(1, 1, "", value), b"1"),
-        ("context", lambda value: JobClient(where, context=value), ""),
-        ("endpoint", JobClient, "tcp://127.0.0.1:99999"),
-        ("job", lambda value: JobClient(where, job=value), 0, "", "../x", "x" * 65),
-        ("timeout", lambda value: JobClient(where, timeout=value), 0),
-        ("tries", lambda value: JobClient(where, tries=value), 0),
-        ("kind", lambda value: client.goal(value, 1), 0),
-        ("count", lambda value: client.goal("count", value), 0),
-        ("text", lambda value: client.goal("count", 1, value), 0),
-        ("verb", client.ask, 0, ""),
-        ("request", lambda value: next(client.watch(value)), None, "goal"),
-        ("path", Journal, None, 0),
-        ("journal", Journal, "", ":memory:", "no/such/folder", "a\0b"),
-        ("journal", lambda value: Jobs(value, kinds), "journal.sqlite3"),
-        ("kinds", lambda value: Jobs(journal, value), None, {"count": nothing}),
-        ("workers", lambda value: Jobs(journal, kinds, value), 0, 101),
-        ("workers", lambda value: Workers(value, kinds), 0, 101),
-        ("queue", lambda value: Jobs(journal, kinds, 1, value), 0),
-        ("grace", lambda value: Jobs(journal, kinds, 1, 1, value), -1),
-        ("line", progress.Progress().show, 0),
-        ("share", lambda value: progress.Progress().show("line", value), -1, "", 2),
-        ("news", progress.words, "news"),
-        ("news", progress.share, "news"),
-    ]
-    for name, call, *values in table:
-        for value in values:
-            with pytest.raises((Error, ValueError, TypeError), match=rf"\b{name}\b") as caught:
-                call(value)
-            assert "\n" not in str(caught.value)
-
-
 def test_the_share_of_a_job_is_between_0_and_1():
     def feedback(done, total):
         return progress.share(Message("feedback", 1, {"done": done, "total": total, "text": ""}))

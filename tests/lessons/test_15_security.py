@@ -675,34 +675,3 @@ def test_a_reply_is_all_of_its_frames(side, run, context):
     with answering(context, lambda frames: [b"", b"one", b"\xff"]) as endpoint:
         client = run(side, KEY, "--plain", "--endpoint", endpoint, "--count", "1", *PATIENT)
     assert client.lines[1:] == ["1: sent Hello, received  one (1 bytes)", "done: 1 replies"]
-
-
-def test_what_cannot_be_is_named_at_once(folder, context):
-    def secure(endpoint="tcp://127.0.0.1:1", **how):
-        return SecureRequester(endpoint, **{"context": context, **how})
-
-    before, allowed = sorted(folder.rglob("*")), AllowList(folder)
-    for name, attempt in [
-        ("folder", lambda: keys.make("", "server")),
-        ("folder", lambda: AllowList(None)),
-        ("folder", lambda: ClientKeys("", keys.load(folder / "server.key")[0].decode())),
-        ("role", lambda: keys.make(folder, "../server")),
-        ("role", lambda: keys.rotate(folder, None)),
-        ("name", lambda: keys.enrol(folder, "../bob", NOBODY)),
-        ("name", lambda: keys.revoke(folder, "")),
-        ("key takes", lambda: keys.enrol(folder, "bob", 0)),
-        ("a key is", lambda: keys.checked(NOBODY)),
-        ("context", lambda: allowed.answer(None)),
-        ("socket", lambda: allowed.guard(None)),
-        ("frame", lambda: allowed.name_of(b"Hello")),
-        ("key", lambda: allowed.name(NOBODY.encode())),
-        ("context", lambda: secure(context=0)),
-        ("endpoint", lambda: secure("tcp://127.0.0.1:99999")),
-        ("keys", lambda: secure(keys="")),
-        ("timeout", lambda: secure(timeout=float("nan"))),
-        ("tries", lambda: secure(tries=0)),
-        ("text", lambda: secure().request(None)),
-    ]:
-        with pytest.raises((TypeError, ValueError), match=rf"^(bad )?{name}\b.*$"):
-            attempt()
-        assert sorted(folder.rglob("*")) == before

@@ -405,29 +405,6 @@ def test_what_is_no_wish_of_the_page_changes_nothing():
     assert (trouble.asked, trouble.way) == ("cut", "down")
 
 
-def test_what_cannot_be_is_named_at_once():
-    for name, attempt in [
-        ("slow", lambda: Trouble(slow=float("nan"))),
-        ("planned", lambda: Trouble([1])),
-        ("asked", lambda: Trouble(asked="lose")),
-        ("way", lambda: Trouble(way="left")),
-        ("a planned message", lambda: Trouble({0: "drop"})),
-        ("a planned fate", lambda: Trouble({1: ""})),
-        ("fate", lambda: Trouble().ask(None, "up")),
-        ("fate", lambda: Trouble().ask("drop", "left")),
-        ("number", lambda: Link(0, Arrows(), Trouble())),
-        ("arrows", lambda: Link(1, None, Trouble())),
-        ("trouble", lambda: Page(Arrows(), None, "")),
-        ("title", lambda: Page(Arrows(), Trouble(), None)),
-        ("way", lambda: Arrows().add(1, "left", None)),
-        ("piece", lambda: Arrows().add(1, "up", b"")),
-        ("most", lambda: Arrows().after(0, -1)),
-        ("number", lambda: Arrows().find(None)),
-    ]:
-        with pytest.raises((TypeError, ValueError), match=rf"^{name}\b.*$"):
-            attempt()
-
-
 def test_trouble_meets_one_message_also_from_many_threads():
     trouble, met = Trouble(), []
     trouble.ask("drop", "down")

@@ -562,23 +562,3 @@ def test_a_hub_that_was_stopped_sends_nobody_home():
     hub.ticked -= 1
     hub.tick()
     assert not hub.members and sent[-1].kind == "close", "this one was silent"
-
-
-def test_what_cannot_be_is_named_at_once():
-    place = "tcp://127.0.0.1:5567"
-    for name, attempt in [
-        ("socket", lambda: Hub("x")),
-        ("report", lambda: Hub(Sent(), report=None)),
-        ("build", lambda: Hub(Sent(), build=1)),
-        ("late", lambda: Hub(Sent(), late=0)),
-        ("timeout", lambda: Hub(Sent(), timeout=float("nan"))),
-        ("idle", lambda: Hub(Sent(), idle=None)),
-        ("simulator", lambda: FleetSimulator(CartPole())),
-        ("build", lambda: FleetSimulator(Simulator(CartPole()), build=None)),
-        ("endpoint", lambda: FleetSocket(None, "CartPole", 1)),
-        ("name", lambda: FleetSocket(place, "", 1)),
-        ("areas", lambda: FleetSocket(place, "CartPole", 0)),
-        ("prepare", lambda: FleetSocket(place, "CartPole", 1, prepare="keys")),
-    ]:
-        with pytest.raises((TypeError, ValueError), match=rf"^(bad )?{name}\b.*$"):
-            attempt()

@@ -11,7 +11,6 @@ import re
 import sys
 import time
 from types import SimpleNamespace
-from typing import Any
 
 import pytest
 import zmq
@@ -510,48 +509,9 @@ def test_a_server_listens_when_there_is_somebody_to_see(webcam, start):
 
 def test_a_landmark_without_a_place_is_named_and_never_written(tmp_path):
     body = [(0.0, 0.0, 0.0, 0.5)] * 33
-    for wrong in ((NAN,) * 4, (0.0, 0.0, float("inf"), 1.0), (0.0, 1e9, 0.0, 1.0), (0.0, 0.0, 0.0)):
+    for wrong in ((float("nan"),) * 4, (0.0, 0.0, float("inf"), 1.0), (0.0, 1e9, 0.0, 1.0), (0.0, 0.0, 0.0)):
         body[26] = wrong
         with pytest.raises(people.SourceError, match=r"^landmark 26 is .*, and not four numbers: .* visibility 0$"):
             people.as_text(body)
         with pytest.raises(people.SourceError, match=r"^landmark 26 is "):
             people.write(tmp_path / "mine.csv", [(0.0, [body])])
-
-
-# The methods' own refusals
-
-NAN = float("nan")
-
-
-def test_what_a_method_cannot_use_is_named(context, monkeypatch, tmp_path):
-    monkeypatch.chdir(tmp_path)
-    pose, nobody = (body_listener.parse(message(1, body)) for body in (WALK[0][1][0], []))
-
-    def listener(endpoint="tcp://127.0.0.1:1", topic="pose/0/", timeout=1.0, **how):
-        with body_listener.BodyListener(endpoint, topic, **how) as listener:
-            listener.receive(timeout)
-
-    table: list[Any] = [
-        ("socket", lambda value: listener(socket=value), 0, zmq.SUB),
-        ("endpoint", listener, None, "tcp://127.0.0.1:99999"),
-        ("topic", lambda value: listener(topic=value), None, "pose/0", "pose/-1/"),
-        ("timeout", lambda value: listener(timeout=value), 0, NAN),
-        ("a", lambda value: pose.angle(value, 1, 2), None, -1, NAN, 33),
-        ("a", lambda value: nobody.angle(value, 1, 2), 0),
-        ("c", lambda value: pose.angle(0, 1, value), None, 33),
-        ("message", body_listener.parse, None, b"pose"),
-        ("path", people.read, None),
-        ("path", lambda value: people.write(value, []), None),
-        ("seconds", lambda value: people.write("never.csv", [(value, [])]), None, NAN),
-        ("landmarks", lambda value: people.write("never.csv", [(0.0, [value])]), [(0.0,) * 4], [(0.0,) * 4] * 21),
-        ("pictures", lambda value: next(people.play(value)), None, []),
-        ("device", lambda value: next(camera.watch(value, "m.task", 1)), None, -1, NAN, ""),
-        ("model", lambda value: next(camera.watch(0, value, 1)), None),
-        ("persons", lambda value: next(camera.watch(0, "m.task", value)), None, 0),
-        ("hands", lambda value: next(camera.watch(0, "m.task", 1, value)), 0),
-    ]
-    for name, call, *values in table:
-        for value in values:
-            with pytest.raises((ValueError, TypeError), match=rf"\b{name}\b") as caught:
-                call(value)
-            assert "\n" not in str(caught.value)

@@ -17,7 +17,6 @@ import pytest
 import zmq
 
 from kitlib.setup import dotnet
-from netmq_example.jobs.client import JobClient
 from netmq_example.talk.ollama import ollama_talk
 from netmq_example.work import WorkError
 from tests.bad_peers import web_server
@@ -28,7 +27,6 @@ from tests.programs import LIMIT, ROOT, free_port, steady_endpoint
 KEY = "21_talking_character"
 sys.path.append(str(ROOT / "python" / KEY))
 import small_talk  # noqa: E402
-from speech import Speech, ask  # noqa: E402
 
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 PROMPT = "Who built this bridge?"
@@ -357,22 +355,3 @@ def test_an_ollama_that_is_not_there_is_named(runs):
     for url, run in zip(urls, runs("server", KEY, [["--ollama", url] for url in urls]), strict=True):
         assert run.code == 2
         assert run.lines[-1].endswith(f"bad address '{url}': write it like http://127.0.0.1:11434")
-
-
-def test_what_a_method_cannot_use_is_named(context):
-    with JobClient("tcp://127.0.0.1:1", context=context) as client:
-        table: list[Any] = [
-            ("client", lambda value: ask(value, "Who are you?", 200), None),
-            ("prompt", lambda value: ask(client, value, 200), None, "", "x" * 1001),
-            ("most", lambda value: ask(client, "Who are you?", value), 0),
-            ("news", Speech().hear, None),
-            ("line", Speech().say, None),
-            ("result", Speech().outcome, None),
-            ("address", lambda value: next(ollama_talk(1, b"", "?", url=value, model="x")), None, "http://x:0"),
-            ("model", lambda value: next(ollama_talk(1, b"", "?", url="http://x", model=value)), None, ""),
-        ]
-        for name, call, *values in table:
-            for value in values:
-                with pytest.raises((ValueError, TypeError), match=rf"\b{name}\b") as caught:
-                    call(value)
-                assert "\n" not in str(caught.value)
