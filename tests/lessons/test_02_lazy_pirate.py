@@ -86,17 +86,6 @@ def test_ten_additions(kind, pirate_server, start, client_command):
 
 
 @clients
-def test_a_lost_reply_is_asked_for_again_and_nothing_is_done_twice(kind, pirate_server, run):
-    server, endpoint = pirate_server("--drop", "2")
-    client = run(kind, KEY, "--endpoint", endpoint, "--count", "3")
-    assert client.code == 0, client
-    i = fate(server, "dropped")
-    assert retry(i, 2) in client.lines
-    assert replies(client) == received([1, 2, 3])
-    server.wait_for(rf"b'{i}-\w+': '{i}', from the journal")
-
-
-@clients
 def test_a_crash_between_the_work_and_the_reply(kind, pirate_server, start, client_command):
     endpoint = steady_endpoint()
     server, _ = pirate_server("--crash-on", "3", endpoint=endpoint)

@@ -10,7 +10,6 @@ import pytest
 import zmq
 
 from netmq_example.topic_listener import TopicListener
-from tests.bad_peers import SlowLine
 from tests.conftest import CLIENTS
 from tests.lessons.conftest import bind, on_the_circle
 from tests.programs import LIMIT, MovingName
@@ -18,10 +17,6 @@ from tests.programs import LIMIT, MovingName
 KEY = "03_publish_subscribe"
 GERMAN = {"LANG": "de_DE.UTF-8", "LC_ALL": "de_DE.UTF-8"}
 TERMINAL = ["python", "csharp"]
-# The newest comes in the same way as each message.
-MODES = pytest.mark.parametrize(
-    ("kind", "mode"), [("python", ["--newest"]), ("csharp", ["--topic", "pose/"])], ids=TERMINAL
-)
 
 
 @pytest.fixture
@@ -93,23 +88,6 @@ def test_newest_only(kind, how, fake, listen):
         fake.send(b"pose/ %d" % number)
     assert client.wait() == 0, client.output
     assert client.lines[1:] == ["received pose/ 1", "received pose/ 500", "done: received 2"]
-
-
-@MODES
-def test_a_line_that_breaks_silently_is_left_for_another(kind, mode, fake, listen):
-    """As when a laptop has slept: the connection is still there, and nothing comes over it."""
-    with SlowLine(where(fake), 0) as line:
-        client = listen(kind, line.endpoint, "--count", "2", "--every", "1", "--timeout", str(LIMIT), *mode)
-        subscribed(fake)
-        fake.send(b"pose/ 1")
-        client.wait_for("^received pose/ 1$")
-        line.break_silently()
-        deadline = time.monotonic() + LIMIT
-        while client.process.poll() is None and time.monotonic() < deadline:
-            fake.send(b"pose/ 2")
-            time.sleep(0.05)
-    assert client.wait() == 0, client.output
-    assert client.lines[1:] == ["received pose/ 1", "received pose/ 2", "done: received 2"]
 
 
 def test_a_publisher_that_is_only_slow_keeps_its_listener(fake, start, client_command, tmp_path):

@@ -325,18 +325,6 @@ def test_a_retry_of_what_is_not_answered_yet_is_not_done_twice(serve, connect):
     assert ask(client, b"3", b"sleep 0") == [b"3", b"slept 0"]
 
 
-def test_a_mistake_in_a_readers_own_answer_costs_no_worker(serve_own, connect):
-    server, endpoint = serve_own(KEY, "def answer(text):\n    return text[7]", "--workers", "1")
-    client = connect(endpoint)
-    for _ in range(2):
-        request_id, text = ask(client, b"1", b"short")
-        assert (request_id, text[:17]) == (b"1", b"error: IndexError")
-    server.wait_for(r"own\.py\", line 3, in answer")
-    assert ask(client, b"2", b"longer text") == [b"2", b"t"]
-    # What is quick asks the same function.
-    assert ask(client, b"3", b"echo text") == [b"3", b"x"]
-
-
 BAD = {
     "no text": [b"7"],
     "three frames": [b"7", b"echo a", b"b"],

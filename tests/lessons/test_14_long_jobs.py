@@ -308,6 +308,10 @@ def test_workers_that_die_and_servers_that_are_killed(jobs_server, peer):
     server, _ = jobs_server("--workers", "2")
     assert deaf.result("aborted").values["text"] == "the server was restarted"
     assert waiting.result("succeeded").values["done"] == 5, "it had not begun"
+    for _ in range(4):
+        counting.hear("feedback")
+        server.kill()
+        server, _ = jobs_server("--workers", "2")
     # A restart is no death of a worker: three times it may take that with it.
     seen = 0
     for _ in range(3):
@@ -316,6 +320,11 @@ def test_workers_that_die_and_servers_that_are_killed(jobs_server, peer):
         os.kill(number, KILL)
     result = counting.result("aborted")
     assert result.values["text"] == "its worker died" and units(result) >= 10
+    said: dict[int, list[bytes]] = {}
+    for news in counting.heard:
+        if news.kind != "accepted":
+            frames = [bytes(frame) for frame in news.frames()]
+            assert said.setdefault(news.values["seq"], frames) == frames, "a number never means two things"
 
 
 def alive(number):
@@ -384,99 +393,3 @@ def test_a_full_disk_rejects_what_cannot_be_written_down(start, peer, tmp_path):
     assert first.ask("status").hear("result").frames() == result.frames()
     assert server.process.poll() is None
     assert "Traceback" not in server.output
-
-
-# A storm: kill -9, cancel, the same goal again, leaving and coming back, in a random order each time. A seed says what
-# happens and in which order; when, the machine says as well. In every order each id ends once, all who ask hear the
-# same, a thing that was told stays true, and each unit was done once.
-
-
-SEEDS = (5, 16, 27, 29, 30)
-VERBS = ("kill", "cancel", "resend", "resend", "leave", "come back", "nothing")
-
-
-class Storm:
-    """One server after the other with one journal, and what was heard of each job."""
-
-    def __init__(self, jobs_server, peer):
-        self.begin, self.peer, self.kills = jobs_server, peer, 0
-        self.server, self.endpoint = jobs_server()
-
-    def kill(self):
-        self.server.kill()
-        self.kills += 1
-        self.server, _ = self.begin()
-
-    def interleaving(self, seed):
-        chance = random.Random(seed)
-        job, total, canceled = f"seed-{seed}-{chance.randrange(10**6)}", chance.randint(3, 30), False
-        here, all_peers, told = [], [], []
-
-        def come():
-            here.append(self.peer(self.endpoint, job))
-            all_peers.append(here[-1].goal(count=total))
-
-        come()
-        for _ in range(chance.randint(3, 8)):
-            verb = chance.choice(VERBS)
-            told.append(verb)
-            if verb == "kill":
-                self.kill()
-            elif verb == "come back" or not here:
-                come()
-            elif verb == "leave":
-                here.pop(chance.randrange(len(here))).socket.close()
-            elif verb == "resend":
-                chance.choice(here).goal(count=total)
-            elif verb == "cancel":
-                canceled = True
-                chance.choice(here).ask("cancel")
-            listen(here, chance.uniform(0, 0.12))
-        come()
-        # A cancel that came before its goal, or was lost with a server that was killed, is none.
-        result = here[-1].result(None if canceled else "succeeded")
-        for one in here[:-1]:
-            one.ask("status").result(result.values["status"])
-        check(job, total, result, all_peers, told)
-        return result
-
-
-def listen(peers, seconds):
-    end = time.monotonic() + seconds
-    while (left := end - time.monotonic()) > 0:
-        heard = False
-        for one in peers:
-            if one.socket.poll(int(left * 1000 / len(peers))):
-                one.heard.append(read(one.socket.recv_multipart()))
-                heard = True
-        if not peers or (not heard and left < 0.01):
-            return
-
-
-def check(job, total, result, peers, told):
-    assert units(result) == result.values["done"] <= total, told
-    assert result.values["status"] == "canceled" or result.values["done"] == total, told
-    said = {}
-    for one in peers:
-        for news in one.heard:
-            # The same number never means two things, whichever server said it. Where it waits may change.
-            if news.kind not in ("accepted", "rejected"):
-                frames = [bytes(frame) for frame in news.frames()]
-                assert said.setdefault(news.values["seq"], frames) == frames, (job, told)
-            if news.kind == "rejected":
-                assert news.values["code"] == "unknown-job", (news.values, told)
-    ends = [frames for frames in said.values() if frames[0].startswith(b'{"kind":"result"')]
-    assert ends == [[bytes(frame) for frame in result.frames()]], told
-    assert max(said) == result.values["seq"], "nothing after the end"
-
-
-def test_whatever_happens_each_job_ends_once(jobs_server, peer):
-    storm, ends = Storm(jobs_server, peer), {}
-    for seed in SEEDS:
-        result = storm.interleaving(seed)
-        ends[result.values["job"]] = result
-    # And once more from the journal, by a server that has seen none of them.
-    storm.kill()
-    for job, result in ends.items():
-        assert storm.peer(storm.endpoint, job).ask("cancel").hear("result").frames() == result.frames()
-    assert storm.kills >= 5

@@ -12,7 +12,6 @@ import os
 import re
 import socket
 import struct
-import sys
 import threading
 import time
 from functools import partial
@@ -735,24 +734,6 @@ def test_a_flood_of_requests_holds_up_no_end(echo):
         "let a browser go: 64 of its requests, or answers for it, wait",
         "browser 1 left",
     ]
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no limit of open files for a program")
-def test_more_browsers_than_a_system_lets_a_program_open_files(echo, start):
-    """Often 1024, and each browser takes three."""
-    pytest.importorskip("resource")
-    words = [PYTHON, FOLDER / "server.py", "--endpoint", "http://127.0.0.1:0", "--hello", echo, *PATIENT]
-    program = start("sh", "-c", 'ulimit -Sn 64; exec "$@"', "sh", *words)
-    endpoint = program.wait_for(r"^listening on (\S+)")[1]
-
-    async def crowd():
-        async with aiohttp.ClientSession() as session:
-            here = [await session.ws_connect(f"{endpoint}/ws/hello") for _ in range(40)]
-            return [await asked(browser, "Hello") for browser in here]
-
-    assert asyncio.run(crowd()) == [["World"]] * 40
-    assert program.stop() == 0
-    assert "Traceback" not in program.output
 
 
 @pytest.mark.parametrize("kind", [Requester, Listener])

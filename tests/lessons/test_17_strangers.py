@@ -6,7 +6,6 @@ import json
 import os
 import time
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 import zmq
@@ -386,20 +385,3 @@ def test_the_board_says_what_has_changed_and_makes_no_flood_of_lines(caplog):
         said = "0 simulators, 0 free, 0 trainers, 0 at work, 0 episodes, 1 begun anew, 0 asked elsewhere"
         more, board.last_line = board.last_line and "7 lines more", ""
         assert caplog.messages == [line for line in (more, said * changed) if line]
-
-
-def test_for_episodes_that_wait_a_simulator_is_sought_once():
-    hub, count = Hub(SimpleNamespace(send_multipart=lambda frames, flags=0: None)), 5
-    for number in range(count):
-        hub.take(b"%d" % number, Message("hello", 0, {"name": "World", "dt": 0.02}, [SPACES]).frames())
-    hub.take(b"trainer", Message("join", 0, {"name": "World", "areas": count}).frames())
-    hub.tick()
-    request = asks(*[records.RESET] * count)
-    request.id = 1
-    hub.take(b"trainer", request.frames())
-    for number in range(count):
-        hub.lose(b"%d" % number, "")
-    sought = []
-    hub.free = sought.append
-    hub.take(b"stranger", Message("whatever").frames())
-    assert sought == ["World"]

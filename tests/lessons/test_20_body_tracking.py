@@ -18,7 +18,7 @@ import zmq
 from netmq_example.body import camera, people
 from netmq_example.body import listener as body_listener
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import ROOT, steady_endpoint
+from tests.programs import ROOT
 
 KEY = "20_body_tracking"
 LESSON = ROOT / "python" / KEY
@@ -164,22 +164,6 @@ def test_a_recording_that_excel_has_saved_is_read(tmp_path):
 
 
 # A server that goes, and one that the test decides for
-
-
-def test_a_server_that_is_started_again(serve, listen):
-    """Its numbers begin anew, and the clients say so and go on."""
-    endpoint = steady_endpoint()
-    server, _ = serve(KEY, endpoint=endpoint)
-    clients = [listen(kind, endpoint, "--every", "1", "--count", "0", "--timeout", "60") for kind in CLIENTS]
-    for client in clients:
-        # So many that the new one's number is certainly lower.
-        client.wait_for("^person 0: pose .*", start=20)
-    server.kill()
-    serve(KEY, endpoint=endpoint)
-    for client in clients:
-        client.wait_for("^person 0: the server was started again$")
-        client.wait_for("^person 0: pose ", start=len(client.lines))
-        assert client.lines.count("person 0: the server was started again") == 1
 
 
 @pytest.fixture
