@@ -24,9 +24,9 @@ from tests.programs import LIMIT, ROOT
 
 @pytest.fixture
 def context():
-    """Its sockets leave at once, whatever they have not sent."""
+    """Its sockets leave at once, whatever they have not sent. One that waits in vain raises zmq.Again in the end."""
     with zmq.Context() as context:
-        context.linger = 0
+        context.linger, context.rcvtimeo = 0, int(1000 * LIMIT)
         yield context
 
 
@@ -43,7 +43,7 @@ def connect(context):
 
         def connect(endpoint, kind=zmq.DEALER, subscribe=None, **options):
             client = stack.enter_context(context.socket(kind))
-            for name, value in {"sndhwm": 0, "rcvhwm": 0, "rcvtimeo": int(1000 * LIMIT), **options}.items():
+            for name, value in {"sndhwm": 0, "rcvhwm": 0, **options}.items():
                 setattr(client, name, value)
             if subscribe is not None:
                 client.subscribe(subscribe)
@@ -127,7 +127,6 @@ def ask(context, endpoint, *frames, kind=zmq.REQ):
     with context.socket(kind) as asker:
         asker.connect(endpoint)
         asker.send_multipart(frames)
-        assert asker.poll(100_000), f"no reply to {frames!r:.80}"
         return asker.recv_multipart()
 
 

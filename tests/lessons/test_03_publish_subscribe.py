@@ -70,18 +70,13 @@ def where(stream):
     return stream.last_endpoint.decode()
 
 
-def subscribed(stream):
-    assert stream.poll(100_000), "nobody subscribed"
-    return stream.recv()
-
-
 @pytest.mark.parametrize(
     ("kind", "how"), [("python", "--newest"), ("python", "--conflate"), ("csharp", "--newest")], ids=lambda word: word
 )
 def test_newest_only(kind, how, fake, listen):
     """While the listener works on 1, the others arrive; it then takes the last of them."""
     client = listen(kind, where(fake), "--count", "2", "--every", "1", "--work", "5", how)
-    assert subscribed(fake) == b"\x01pose/"
+    assert fake.recv() == b"\x01pose/"
     fake.send(b"pose/ 1")
     client.wait_for("^received pose/ 1$")
     for number in range(2, 501):
@@ -94,7 +89,7 @@ def test_a_publisher_that_is_only_slow_keeps_its_listener(fake, start, client_co
     name = MovingName(tmp_path, "127.0.0.1")
     endpoint = where(fake).replace("127.0.0.1", "robot")
     client = start(*name.before, *client_command("csharp", KEY, endpoint, "--count", "2", "--timeout", str(LIMIT)))
-    subscribed(fake)
+    fake.recv()
     fake.send(b"pose/ 1")
     client.wait_for("^received pose/ 1$")
     # It looks the name up after 2 s, and then once more.
@@ -107,7 +102,7 @@ def test_a_publisher_that_is_only_slow_keeps_its_listener(fake, start, client_co
 @pytest.mark.parametrize("kind", TERMINAL)
 def test_a_listener_prints_all_frames_in_one_line_and_takes_nothing_endless(kind, mode, fake, listen):
     client = listen(kind, where(fake), "--topic", "", "--count", "2", "--every", "1", "--timeout", "25", *mode)
-    subscribed(fake)
+    fake.recv()
     fake.send(b"x" * 100_000)
     # ZeroMQ closes the connection for it. The listener makes another.
     deadline = time.monotonic() + LIMIT
@@ -122,7 +117,7 @@ def test_a_listener_prints_all_frames_in_one_line_and_takes_nothing_endless(kind
 
 def test_the_frames_of_a_message_apart(fake):
     with TopicListener(where(fake), "cam/") as listener:
-        subscribed(fake)
+        fake.recv()
         message = [b"cam/left", b"\xff\xd8\xff", b""]
         for _ in range(2):
             fake.send_multipart(message)
@@ -132,7 +127,7 @@ def test_the_frames_of_a_message_apart(fake):
 
 def test_in_unity_what_is_no_pose_moves_nothing(fake, listen):
     client = listen("unity", where(fake), "--count", "8", "--every", "1")
-    subscribed(fake)
+    fake.recv()
     numbers = ["1", "2", "3", "0", "0", "0", "1"]
     for number, odd in enumerate(("nan", "1e99", "1,5", "x", "", "1 1", "1"), start=1):
         message = " ".join(["pose/", str(number), odd, *numbers[1:]])

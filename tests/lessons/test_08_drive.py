@@ -39,7 +39,7 @@ class Driver(threading.Thread):
     def __init__(self, context, answer):
         super().__init__(daemon=True)
         self.socket, self.answer, self.frames = context.socket(zmq.REP), answer, []
-        self.socket.linger, self.socket.rcvtimeo = 0, 100
+        self.socket.rcvtimeo = 100
         self.endpoint = f"tcp://127.0.0.1:{self.socket.bind_to_random_port('tcp://127.0.0.1')}"
         self.over = threading.Event()
         self.start()

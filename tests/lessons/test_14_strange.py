@@ -32,6 +32,7 @@ from netmq_example.jobs.workers import Workers
 from netmq_example.messages import Array, Message
 from netmq_example.work import Kind, Step
 from tests.conftest import PYTHON
+from tests.lessons.conftest import bind
 from tests.lessons.long_jobs.peers import KEY, Message, copied, jobs_server, peer, read, units
 from tests.programs import LIMIT, ROOT
 
@@ -316,8 +317,7 @@ def wrong_server(context, replies):
 
     ended, thread = threading.Event(), threading.Thread(target=run)
     with context.socket(zmq.ROUTER) as socket:
-        socket.linger = 0
-        endpoint = f"tcp://127.0.0.1:{socket.bind_to_random_port('tcp://127.0.0.1')}"
+        endpoint = bind(socket)
         thread.start()
         yield endpoint
         ended.set()

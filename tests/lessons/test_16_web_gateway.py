@@ -23,7 +23,7 @@ import zmq
 import zmq.asyncio
 
 from tests.conftest import CLIENTS, PYTHON
-from tests.lessons.conftest import answering
+from tests.lessons.conftest import answering, bind
 from tests.programs import LIMIT, PATIENT, ROOT, Program, steady_endpoint
 
 aiohttp = pytest.importorskip("aiohttp", reason="lesson 16 needs aiohttp: kit.py run 16 installs it")
@@ -391,9 +391,8 @@ def test_what_a_stranger_sends_is_answered_with_an_error_and_no_more(gateway):
 def test_only_the_newest_of_a_topic(serve, context):
     """A browser that asks late gets what was said last, and not what has piled up."""
     with context.socket(zmq.XPUB) as publisher:
-        publisher.linger, publisher.sndhwm, publisher.rcvtimeo = 0, 0, int(1000 * LIMIT)
-        port = publisher.bind_to_random_port("tcp://127.0.0.1")
-        _, endpoint = serve(KEY, "--poses", f"tcp://127.0.0.1:{port}", *ABSENT[:4])
+        publisher.sndhwm = 0
+        _, endpoint = serve(KEY, "--poses", bind(publisher), *ABSENT[:4])
 
         async def talk(browser):
             assert await asked(browser, "a/") == [], "nothing new yet"
@@ -412,8 +411,8 @@ def test_only_the_newest_of_a_topic(serve, context):
 
 
 def test_nothing_is_left_of_the_topic_before(context):
-    async def turn(publisher, port):
-        listener = Listener(zmq.asyncio.Context.shadow(context.underlying), f"tcp://127.0.0.1:{port}", 0.1)
+    async def turn(publisher, endpoint):
+        listener = Listener(zmq.asyncio.Context.shadow(context.underlying), endpoint, 0.1)
         assert await listener.ask([b"a/"]) == []
         assert publisher.recv() == b"\x01a/"
         publisher.send(b"a/ 1")
@@ -424,8 +423,7 @@ def test_nothing_is_left_of_the_topic_before(context):
         listener.close()
 
     with context.socket(zmq.XPUB) as publisher:
-        publisher.linger, publisher.rcvtimeo = 0, int(1000 * LIMIT)
-        asyncio.run(turn(publisher, publisher.bind_to_random_port("tcp://127.0.0.1")))
+        asyncio.run(turn(publisher, bind(publisher)))
 
 
 def test_a_slow_browser_is_let_go_and_holds_up_nobody(gateway):

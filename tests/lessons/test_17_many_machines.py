@@ -13,7 +13,8 @@ import pytest
 import zmq
 
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import ROOT, finished, free_port, python_runs, steady_endpoint, steady_port
+from tests.lessons.conftest import bind
+from tests.programs import LIMIT, ROOT, finished, free_port, python_runs, steady_endpoint, steady_port
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 17 needs gymnasium: kit.py run 17 installs it")
 np = pytest.importorskip("numpy", reason="lesson 17 needs numpy: kit.py run 17 installs it")
@@ -147,8 +148,7 @@ def test_a_simulator_without_work_is_sent_home_and_another_build_is_refused_by_n
 def test_a_client_does_as_it_is_told_and_says_hello_again_to_a_silent_hub(kind, context, start, client_command):
     """A hub that was started anew is silent to whoever did not notice."""
     with context.socket(zmq.ROUTER) as hub:
-        hub.linger, hub.rcvtimeo = 0, 100_000
-        place = f"tcp://127.0.0.1:{hub.bind_to_random_port('tcp://127.0.0.1')}"
+        place = bind(hub)
         trouble = ["--crash-after", "2", "--delay", "0.3"] if kind != "unity" else []
         client = start(*client_command(kind, KEY, place, "--build", "7", *trouble))
         peers = set()
@@ -187,9 +187,8 @@ def test_a_trainer_waits_for_as_many_simulators_as_it_has_areas(serve, simulator
 def test_a_trainer_says_in_one_line_what_is_wrong(context):
     """With the endpoint, without a hub, and with a hub that is not the kit's."""
     with context.socket(zmq.ROUTER) as strange, ThreadPoolExecutor() as pool:
-        strange.linger, strange.rcvtimeo = 0, 100_000
-        port, nobody = strange.bind_to_random_port("tcp://127.0.0.1"), f"tcp://127.0.0.1:{free_port()}"
-        words = [["nonsense"], [f"tcp://127.0.0.1:{port}"], [nobody, "--areas", "1", "--timeout", "3"]]
+        nobody = f"tcp://127.0.0.1:{free_port()}"
+        words = [["nonsense"], [bind(strange)], [nobody, "--areas", "1", "--timeout", "3"]]
         trainers = pool.submit(python_runs, TRAIN, [["--endpoint", *each] for each in words])
         peer, *_ = strange.recv_multipart()
         strange.send_multipart([peer, *messages.Message("alive").frames()])
@@ -482,7 +481,6 @@ def test_with_keys_it_is_found_by_its_own_and_lets_in_whoever_is_on_its_list(
         words = client_command(kind, KEY, f"beacon://hub:{port}", "--keys", str(folder), "--timeout", "60")
         start(*words).wait_for("^simulating CartPole for ")
     with context.socket(zmq.DEALER) as stranger:
-        stranger.linger = 0
         stranger.connect(endpoint)
         stranger.send_multipart(messages.Message("join", 0, {"name": "CartPole", "areas": 1}).frames())
         assert played(train(endpoint, 2, 3, "--keys", str(folder))) == returns(3)
@@ -533,8 +531,7 @@ def test_a_hub_that_was_away_says_first_what_is_missing():
 @pytest.mark.parametrize("missing", ["many", 0.5, True])
 def test_a_hub_that_counts_in_words_is_named(missing, context):
     hub = context.socket(zmq.ROUTER)
-    hub.linger, hub.rcvtimeo = 0, 100_000
-    endpoint = f"tcp://127.0.0.1:{hub.bind_to_random_port('tcp://127.0.0.1')}"
+    endpoint = bind(hub)
     with hub, FleetSocket(endpoint, "CartPole", 1) as trainer:
         # It joins while it receives, as soon as there is a connection.
         while not hub.poll(0):
@@ -543,7 +540,7 @@ def test_a_hub_that_counts_in_words_is_named(missing, context):
         peer, *_ = hub.recv_multipart()
         trainer.send_multipart([b"hub", b"begun"])
         hub.send_multipart([peer, *messages.Message("alive", values={"missing": missing}).frames()])
-        assert trainer.socket.poll(100_000)
+        assert trainer.socket.poll(1000 * LIMIT)
         with pytest.raises(messages.MessageError, match="'missing' must be int"):
             trainer.recv_multipart()
 

@@ -46,7 +46,6 @@ class Peer:
 
     def __init__(self, socket, hub, world):
         self.socket, self.world, self.asked = socket, world, 0
-        socket.linger = 0
         socket.connect(hub)
 
     def say(self, message, id=0):

@@ -18,6 +18,7 @@ import zmq
 from netmq_example.body import camera, people
 from netmq_example.body import listener as body_listener
 from tests.conftest import CLIENTS, PYTHON
+from tests.lessons.conftest import bind
 from tests.programs import ROOT
 
 KEY = "20_body_tracking"
@@ -52,10 +53,10 @@ def knee(number, person):
 # Persons without a webcam
 
 
-def test_a_person_is_seen_to_move(serve, listen):
+def test_a_person_is_seen_to_move(serve, listen, connect):
     """Each printed angle is that of the walker's pose of this number, whichever client it is."""
     begin = time.monotonic()
-    server, endpoint = serve(KEY, **GERMAN)
+    _, endpoint = serve(KEY, **GERMAN)
     clients = []
     for kind, person in ("python", 0), ("python", 1), ("csharp", 1), ("unity", 1):
         words = ["--person", str(person), "--count", "13", "--every", "4"]
@@ -71,12 +72,7 @@ def test_a_person_is_seen_to_move(serve, listen):
         assert [match[2] for match in found] == [knee(int(match[1]), person) for match in found]
         assert len({match[2] for match in found}) > 1
     # Seconds are the computer's: else each pose of a server that was started again would seem to be late.
-    with zmq.Context() as context, context.socket(zmq.SUB) as stream:
-        stream.linger = 0
-        stream.subscribe("pose/0/")
-        stream.connect(endpoint)
-        assert stream.poll(100_000), server.output
-        seconds = body_listener.parse(stream.recv().decode()).seconds
+    seconds = body_listener.parse(connect(endpoint, zmq.SUB, "pose/0/").recv().decode()).seconds
     assert begin - 0.001 < seconds < time.monotonic() + 0.001
 
 
@@ -167,16 +163,10 @@ def test_a_recording_that_excel_has_saved_is_read(tmp_path):
 
 
 @pytest.fixture
-def stage():
+def stage(context):
     """An XPUB, which sees subscriptions come; and where it is."""
-    with zmq.Context() as context, context.socket(zmq.XPUB) as stream:
-        stream.linger = 0
-        yield stream, f"tcp://127.0.0.1:{stream.bind_to_random_port('tcp://127.0.0.1')}"
-
-
-def subscribed(stream, to):
-    assert stream.poll(100_000), "nobody subscribed"
-    assert stream.recv() == b"\x01" + to
+    with context.socket(zmq.XPUB) as stream:
+        yield stream, bind(stream)
 
 
 @TERMINAL
@@ -184,7 +174,7 @@ def test_the_newest_wins(kind, stage, listen):
     """While the client works on 1 the others arrive; it takes the last of them, and counts the rest."""
     stream, endpoint = stage
     client = listen(kind, endpoint, "--count", "2", "--every", "1", "--work", "4", "--timeout", "60")
-    subscribed(stream, b"pose/0/")
+    assert stream.recv() == b"\x01pose/0/"
     body = WALK[0][1][0]
     stream.send_string(message(1, body))
     client.wait_for("^person 0: pose 1, right knee")
@@ -199,7 +189,7 @@ def test_the_newest_wins(kind, stage, listen):
 def test_poses_that_are_late_come_twice_or_are_none(kind, stage, listen):
     stream, endpoint = stage
     client = listen(kind, endpoint, "--count", "6", "--every", "1", "--timeout", "60", "--person", "12")
-    subscribed(stream, b"pose/12/")
+    assert stream.recv() == b"\x01pose/12/"
 
     def seen(number, body, line, seconds=100.0):
         begin = len(client.lines)
@@ -230,7 +220,7 @@ def test_a_stream_without_a_pose_is_given_up(kind, stage, listen):
     """However much of something else comes."""
     stream, endpoint = stage
     client = listen(kind, endpoint, "--timeout", "3")
-    subscribed(stream, b"pose/0/")
+    assert stream.recv() == b"\x01pose/0/"
     while client.process.poll() is None:
         stream.send_string("pose/0/ something else")
         time.sleep(0.01)
@@ -399,29 +389,24 @@ def test_a_newcomer_takes_nobodys_place():
     assert [body[0][0] for body in people] == [0.2, 0.4] and places == [(0.2, 0.5), (0.4, 0.5)]
 
 
-def test_hands_have_topics_of_their_own(webcam, start):
+def test_hands_have_topics_of_their_own(webcam, start, connect):
     """Byte by byte; and of two left hands it is the one that looks more like one."""
     model = webcam / "model.task"
     words = ["--endpoint", "tcp://127.0.0.1:0", "--camera", "--model", model, "--hands", model]
     server = start(PYTHON, LESSON / "server.py", *words, PYTHONPATH=str(webcam))
     endpoint = server.wait_for(r"^listening on (\S+)")[1]
-    with zmq.Context() as context, context.socket(zmq.SUB) as stream:
-        stream.linger = 0
-        stream.subscribe("")
-        stream.connect(endpoint)
-        seen = set()
-        while len(seen) < 5:
-            assert stream.poll(100_000), server.output
-            topic, number, seconds, *rest = stream.recv().decode().split(" ")
-            assert re.fullmatch(r"\d+\.\d{3}", seconds)
-            if topic.startswith("hand/"):
-                there = topic == "hand/left/" or int(number) % 2 == 1
-                sign, sure = ("", "0.980") if topic == "hand/left/" else ("-", "0.875")
-                assert rest == [f"{sign}0.050", "0.020", "-0.010", sure] * 21 * there
-                seen.add((topic, there))
-            else:
-                assert rest[1:4] in ([], ["0.250", "-0.500", "0.900"])
-                seen.add((topic, True))
+    stream, seen = connect(endpoint, zmq.SUB, ""), set()
+    while len(seen) < 5:
+        topic, number, seconds, *rest = stream.recv().decode().split(" ")
+        assert re.fullmatch(r"\d+\.\d{3}", seconds)
+        if topic.startswith("hand/"):
+            there = topic == "hand/left/" or int(number) % 2 == 1
+            sign, sure = ("", "0.980") if topic == "hand/left/" else ("-", "0.875")
+            assert rest == [f"{sign}0.050", "0.020", "-0.010", sure] * 21 * there
+            seen.add((topic, there))
+        else:
+            assert rest[1:4] in ([], ["0.250", "-0.500", "0.900"])
+            seen.add((topic, True))
     assert seen == {("pose/0/", True), ("pose/1/", True), ("hand/left/", True), *{("hand/right/", it) for it in (0, 1)}}
     assert server.stop() == 0
 
@@ -431,7 +416,7 @@ def test_a_hand_is_heard(kind, stage, listen):
     """An index finger that is bent by a right angle; then no hand; and what is no hand is passed over."""
     stream, endpoint = stage
     client = listen(kind, endpoint, "--hand", "left", "--count", "2", "--every", "1", "--timeout", "25")
-    subscribed(stream, b"hand/left/")
+    assert stream.recv() == b"\x01hand/left/"
     marks = [(0.001 * i, 0.02, 0.01, 0.98) for i in range(21)]
     marks[5], marks[6], marks[7] = (0, 0.1, 0, 1), (0, 0, 0, 1), (0, 0, -0.1, 1)
     text = message(7, marks).replace("pose/0/", "hand/left/")

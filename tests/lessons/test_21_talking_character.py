@@ -21,6 +21,7 @@ from netmq_example.talk.ollama import ollama_talk
 from netmq_example.work import WorkError
 from tests.bad_peers import web_server
 from tests.conftest import CLIENTS
+from tests.lessons.conftest import bind
 from tests.lessons.long_jobs.peers import Message, Peer, read
 from tests.programs import LIMIT, ROOT, free_port, steady_endpoint
 
@@ -170,12 +171,11 @@ SPOKEN = [
 def stage(context):
     """stage(*news): answers the next goal with these messages, and returns the goal."""
     with context.socket(zmq.ROUTER) as router:
-        router.linger, played = 0, set()
+        played = set()
 
         def play(*news):
             goal = None
             while not goal or goal.kind != "goal" or goal.values["job"] in played:
-                assert router.poll(LIMIT * 1000)
                 way, *frames = router.recv_multipart()
                 goal = read(frames)
             played.add(goal.values["job"])
@@ -186,7 +186,7 @@ def stage(context):
                 router.send_multipart([way, *message.frames()])
             return goal
 
-        yield play, f"tcp://127.0.0.1:{router.bind_to_random_port('tcp://127.0.0.1')}"
+        yield play, bind(router)
 
 
 @each_client

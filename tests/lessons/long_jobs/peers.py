@@ -22,7 +22,6 @@ class Peer:
     def __init__(self, context, endpoint, job=""):
         self.job, self.heard, self.asked_again = job or uuid.uuid4().hex, [], 0
         self.socket = context.socket(zmq.DEALER)
-        self.socket.linger = 0
         self.socket.connect(endpoint)
 
     def ask(self, verb, **values):
