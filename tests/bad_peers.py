@@ -72,11 +72,7 @@ class SlowLine(Listener):
     """A far server: hands everything on to a near one and back, as late as a line with this round trip does."""
 
     def __init__(self, endpoint, round_trip):
-        self.port, self.round_trip, self.dead = int(endpoint.rpartition(":")[2]), round_trip, []
-
-    def break_silently(self):
-        """What is connected now gets nothing any more, and is not told; who connects from now on is served."""
-        self.dead = [*self.open]
+        self.port, self.round_trip = int(endpoint.rpartition(":")[2]), round_trip
 
     def cut(self):
         """What is connected now is told that the other side is gone; who connects from now on is served."""
@@ -109,9 +105,8 @@ class SlowLine(Listener):
         while data:
             due, data = on_the_way.get()
             time.sleep(max(0.0, due - time.monotonic()))
-            if target not in self.dead:
-                with contextlib.suppress(OSError):
-                    target.sendall(data) if data else target.shutdown(socket.SHUT_WR)
+            with contextlib.suppress(OSError):
+                target.sendall(data) if data else target.shutdown(socket.SHUT_WR)
 
 
 class ProtocolBreaker(Listener):

@@ -193,16 +193,6 @@ def test_a_bad_request_gets_an_error_and_changes_nothing(pirate_server, context)
     assert "Traceback" not in server.output
 
 
-def test_envelopes_that_are_none(pirate_server, context):
-    _, endpoint = pirate_server()
-    # Too little, and no text; a DEALER may leave out REQ's empty frame.
-    for frames in ([b""], [b"", b"", b""], [b"add 1"], [b"x", b"y", b"add 1"]):
-        assert ask(context, endpoint, *frames, kind=zmq.DEALER)[-1].startswith(b"error: expected ")
-    # A longer way back, as brokers make it, is returned whole.
-    for way in ([b"", b"x"], [b"x"], [b"hop", b"hip", b"", b"x"]):
-        assert ask(context, endpoint, *way, b"add 1", kind=zmq.DEALER) == [*way, b"1"]
-
-
 def test_the_journal_does_not_grow_for_ever(serve_own, journal, context):
     short = "from netmq_example import journal\njournal.KEPT_ENTRIES = 10\nanswer = server.answer"
     server, endpoint = serve_own(KEY, short, "--journal", journal)

@@ -13,7 +13,6 @@ import pytest
 import zmq
 
 from netmq_example import messages
-from netmq_example.errors import Refused
 from netmq_example.messages import Array, Message, MessageError
 from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.conftest import answering, ask, bind
@@ -192,12 +191,6 @@ def test_numbers_are_of_the_dtype_that_they_are_called():
 def test_a_message_shows_no_pixels():
     """A notebook, a debugger and an assert print it."""
     assert len(repr(picture((240, 320, 3)))) < 200
-
-
-def test_the_error_of_a_reply_says_whose_it_is():
-    with pytest.raises(Refused) as refusal:
-        messages.Message.read_reply(Message.refusal(MessageError("no", "such kind"), 7).frames())
-    assert (refusal.value.code, refusal.value.text, refusal.value.id) == ("no", "such kind", 7)
 
 
 def test_arrays_are_not_copied(context, connect):

@@ -90,29 +90,6 @@ def test_joining_late(publish, runs):
         assert empty == 0 and said[-1].startswith("done: received 0, missed 0; "), said
 
 
-@pytest.mark.parametrize("kind", TERMINAL)
-def test_after_a_restart_the_subscriber_goes_on_and_says_what_it_missed(kind, publish, follow):
-    # So slow that a client which takes half a minute to start still comes before number 600.
-    first, endpoint, snapshots = publish("--interval", "0.05")
-    options = ["--count", "1000000", "--until", "600", "--every", "10", "--timeout", "20"]
-    client = follow(kind, endpoint, snapshots, *options)
-    run = client.wait_for(JOINED)[1]
-    client.wait_for(r"^\d+: at ", start=3)
-    first.kill()
-    second, _, _ = publish("--interval", "0.003", "--count", "600", "--snapshots", snapshots, endpoint=endpoint)
-    said = client.wait_for(rf"^missed run {run} from (\d+) on, and run (\w+) up to (\d+)$")
-    assert said[2] != run
-    assert client.wait() == 0, client.output
-    received, missed, last_run, last, checksum = client.wait_for(DONE).groups()
-    assert (last_run, last) == (said[2], "600")
-    assert second.wait_for(r"^published 600, checksum (\d+)")[1] == checksum
-    # Each number of both runs was either received or missed, and none was both.
-    joined = int(client.wait_for(JOINED)[2])
-    within = sum(last - first + 1 for first, last in numbers(client.lines, r"^missed (\d+) to (\d+)$"))
-    assert int(missed) == int(said[3]) + within
-    assert int(received) + within == int(said[1]) - 1 - joined + 600 - int(said[3])
-
-
 def test_who_comes_when_all_is_said_has_the_state_too(publish, runs):
     server, endpoint, snapshots = publish("--interval", "0", "--count", "1000")
     checksum = server.wait_for(r"^published 1000, checksum (\d+)")[1]

@@ -427,46 +427,6 @@ def assert_walk_alike(found):
     assert_same(ours[:-1], apart[:-1])
 
 
-def walked(simulator, seed, actions):
-    """The sum of an episode's rewards, played without a network."""
-    (agent,) = simulator.agents.values()
-    agent.begin(draws(seed), {})
-    agent.on_reset()
-    for action in actions:
-        simulator.step({agent: action})
-        if agent.terminated:
-            return agent.reward
-    raise AssertionError("it never ended")
-
-
-def test_a_scene_that_dies_in_an_episode_is_begun_anew_in_another(serve, scene, scenes):
-    hub, endpoint = serve(KEY, *STAY, "--late", "600")
-    (mortal,) = scenes(endpoint, 5)
-    scenes(endpoint, 0, 0)
-    actions = np.random.default_rng(2).uniform(-1, 1, (20, 2))
-    with FleetSocket(endpoint, "Walk", 2) as socket:
-        envs = walkers(2, socket, autoreset_mode="Disabled")
-        found = {}
-        for seed in range(0, 8, 2):
-            envs.reset(seed=seed)
-            total, over = np.zeros(2), np.zeros(2, bool)
-            for action in actions:
-                _, rewards, terminated, truncated, infos = envs.step(np.array([action, action]))
-                assert not truncated.any() and "lost" not in infos
-                total += rewards * ~over
-                if (over := over | terminated).all():
-                    break
-                if terminated.any():
-                    # A walker that is over walks on, and nobody counts it.
-                    envs.reset(seed=seed, options={"reset_mask": terminated})
-            found |= {seed: total[0], seed + 1: total[1]}
-        envs.close()
-    assert found == {seed: pytest.approx(walked(scene("agent"), seed, actions)) for seed in range(8)}
-    assert mortal.wait() == 1
-    assert mortal.lines[-1] == "crash after 5 steps, as told"
-    hub.wait_for(r", 1 begun anew, 0 asked elsewhere$")
-
-
 # Keys, and how a hub is found
 
 
