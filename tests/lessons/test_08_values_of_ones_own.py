@@ -45,7 +45,7 @@ def driven(start, tmp_path):
     return serve
 
 
-def test_a_value_each_way_is_played_recorded_and_replayed(driven, ask, tmp_path, start, console, netmq):
+def test_a_value_each_way(driven, ask, tmp_path, start, console, netmq):
     zoom = """Debug.Log($"zoom {action.Value("zoom", 1)}");"""
     more = """
         Debug.Log($"{action.Value("lamp")} {action.Value("no", 3)} {action.Value("text", 4)}{action.Text("lamp")}");"""
@@ -63,7 +63,7 @@ def test_a_value_each_way_is_played_recorded_and_replayed(driven, ask, tmp_path,
         player.lines.count("zoom 2") == player.lines.count("1 3 4") == 5 and player.lines.count("Python says go") == 1
     )
     server.wait_for(r"^speed 0\.0 m/s, battery 100\.0$")
-    server.wait_for(r"^speed \d\.\d m/s, battery 99\.6$")
+    server.wait_for(r"^speed 0\.[1-9] m/s, battery 99\.6$")
     replay = start(PYTHON, tmp_path / "mine" / "replay.py", tmp_path / "runs" / "run_0001", "--endpoint", endpoint)
     assert replay.wait() == 0, replay.output
     # It answers before it records; by its next answer that is done.
