@@ -21,20 +21,14 @@ KEY = "01_request_reply"
 SERVER = ROOT / "python" / KEY / "server.py"
 
 
-@pytest.mark.parametrize(
-    ("kind", "refusal"),
-    [
-        ("python", "refused: ZMQError: Operation cannot be accomplished in current state"),
-        ("csharp", "refused: FiniteStateMachineException: Req.XSend - cannot send another request"),
-    ],
-)
-def test_a_second_request_before_the_reply_is_refused(kind, refusal, serve, run):
+def test_a_second_request_before_the_reply_is_refused(serve, run):
+    """A transcript of the page has what the C# client says."""
     _, endpoint = serve(KEY)
-    client = run(kind, KEY, "--endpoint", endpoint, "--count", "1", "--send-twice", *PATIENT)
+    client = run("python", KEY, "--endpoint", endpoint, "--count", "1", "--send-twice", *PATIENT)
     assert client.code == 0, client
     assert client.lines == [
         f"asking {endpoint}",
-        refusal,
+        "refused: ZMQError: Operation cannot be accomplished in current state",
         "received World: now REQ may send again",
         "1: sent Hello, received World",
         "done: 1 replies",

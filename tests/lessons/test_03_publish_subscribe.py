@@ -9,7 +9,6 @@ import time
 import pytest
 import zmq
 
-from netmq_example.topic_listener import TopicListener
 from tests.conftest import CLIENTS
 from tests.lessons.conftest import bind, on_the_circle
 from tests.programs import LIMIT, MovingName
@@ -113,16 +112,6 @@ def test_a_listener_prints_all_frames_in_one_line_and_takes_nothing_endless(kind
     text = f'?[2Jgrün ✓??? {{"n": 1}} (3 bytes) {"y" * 1000}'
     line = f"received {text[:200]}…"
     assert client.lines[1:] == [line, line, "done: received 2"]
-
-
-def test_the_frames_of_a_message_apart(fake):
-    with TopicListener(where(fake), "cam/") as listener:
-        fake.recv()
-        message = [b"cam/left", b"\xff\xd8\xff", b""]
-        for _ in range(2):
-            fake.send_multipart(message)
-        assert listener.receive_frames(LIMIT) == message
-        assert listener.receive(LIMIT) == "cam/left (3 bytes) "
 
 
 def test_in_unity_what_is_no_pose_moves_nothing(fake, listen):

@@ -53,8 +53,6 @@ def own(total, finished, text):
     wrong = {
         "long": lambda: Step(2, total, "x" * 70_000),
         "half": lambda: Step(2, total, "name \\udcff"),
-        "part": lambda: Step(1.5, total),
-        "huge": lambda: Step(2**53, total),
         "none": lambda: None,
         "boom": lambda: mistake("my own\\nmistake"),
     }
@@ -119,7 +117,7 @@ def test_a_step_that_cannot_be_told_aborts_its_job_and_no_other(own_server, peer
     server = own_server(OWN)
     endpoint = server.wait_for(r"^listening on (\S+)")[1]
     said = {}
-    for text in ("long", "half", "part", "huge", "none", "boom"):
+    for text in ("long", "half", "none", "boom"):
         job = peer(endpoint)
         result = job.ask("goal", kind="own", count=3, text=text).result("aborted").values
         assert result["done"] == 1, "as far as could be told"
@@ -131,8 +129,6 @@ def test_a_step_that_cannot_be_told_aborts_its_job_and_no_other(own_server, peer
     # A mistake is shown where it is written.
     assert said["boom"] == r"ValueError('my own\nmistake')"
     server.wait_for(r'work\.py", line \d+, in mistake')
-    assert "done takes an int, not 1.5" in said["part"]
-    assert "done takes a whole number from 0 to 9007199254740991" in said["huge"]
     assert units(peer(endpoint).goal(count=3).result("succeeded")) == 3, "the only worker works on"
 
 
@@ -214,7 +210,6 @@ def test_a_clock_that_is_set_forgets_no_job_and_a_day_that_passes_does(tmp_path,
 
 def test_a_server_says_in_one_line_what_it_cannot_use(runs, tmp_path):
     mine = str(tmp_path / "mine.sqlite3")
-    wrong = [("--grace", "nan"), ("--grace", "inf"), ("--crash-on", "-3"), ("--workers", "1000000000")]
     others = {"notes (text)": tmp_path / "other", "jobs (id, salary)": tmp_path / "same_name"}
     for table, path in others.items():
         with closing(sqlite3.connect(path)) as other, other:
@@ -224,14 +219,10 @@ def test_a_server_says_in_one_line_what_it_cannot_use(runs, tmp_path):
     with closing(Journal(mine).db):
         always = ("--endpoint", "tcp://127.0.0.1:0", "--journal")
         journals = [(*always, str(path)) for path in (*others.values(), mine)]
-        found = runs("server", KEY, [*((*always, str(tmp_path / "new"), *pair) for pair in wrong), *journals])
+        found = runs("server", KEY, journals)
     assert {run.code for run in found} == {2}
-    for (name, value), run in zip(wrong, found, strict=False):
-        what = name.removeprefix("--")
-        assert f"error: argument {name}: it takes " in run.lines[-1] or f"error: {what} takes " in run.lines[-1]
-        assert f", not {value}" in run.lines[-1].replace("'", "")
     causes = ["it is another program's"] * 2 + ["database is locked"]
-    for path, cause, run in zip([*others.values(), mine], causes, found[len(wrong) :], strict=True):
+    for path, cause, run in zip([*others.values(), mine], causes, found, strict=True):
         assert run.lines[-1].endswith(f"cannot use the journal {path}: {cause}; try --journal another.sqlite3")
     assert before == [path.read_bytes() for path in others.values()]
 
@@ -336,7 +327,6 @@ STATE = {"done": 1, "total": 2, "text": ""}
 END = said("result", seq=3, status="succeeded", **STATE)
 STRANGE = [
     (said("result", seq=1, **STATE), "gave up: missing-field: there is no 'status'"),
-    (said("result", seq=1, status=5, **STATE), "gave up: wrong-type: 'status' must be str"),
     (
         said("result", seq=1, status="exploded", **STATE),
         "gave up: bad-status: status 'exploded' is none of succeeded, canceled, aborted",
@@ -347,7 +337,6 @@ STRANGE = [
     ),
     (said("feedback", **STATE), "gave up: missing-field: there is no 'seq'"),
     (said("feedback", seq=-1, **STATE), "gave up: bad-value: 'seq' must be 0 or more"),
-    (said("rejected", code=5, text=True), "gave up: wrong-type: 'code' must be str"),
     (said("forgotten"), "gave up: forgotten: its result was deleted; begin a job with a new id"),
     # The server has another journal, and has begun anew.
     (both(said("feedback", seq=9, **STATE), END), "done: succeeded, 0 bytes, sum 0"),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import re
 import runpy
 import time
@@ -14,7 +13,7 @@ import zmq
 
 from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.conftest import bind
-from tests.programs import LIMIT, ROOT, finished, free_port, python_runs, steady_endpoint, steady_port
+from tests.programs import ROOT, finished, free_port, python_runs, steady_endpoint, steady_port
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 17 needs gymnasium: kit.py run 17 installs it")
 np = pytest.importorskip("numpy", reason="lesson 17 needs numpy: kit.py run 17 installs it")
@@ -319,6 +318,7 @@ from typing import Annotated, Any
 import numpy as np
 
 from netmq_example import console
+from netmq_example.fleet.simulator import FleetSimulator
 from netmq_example.scene.scene import Agent, Obs, SceneSimulator
 from netmq_example.scene.simulator import EnvironmentClient
 
@@ -347,13 +347,8 @@ def scene(*names):
 
 
 if __name__ == "__main__":
-    sys.path.append(sys.argv[3])
-    from client import Mortal
-
     console.log_lines()
-    simulator = Mortal(scene("agent"))
-    simulator.crash_after = int(sys.argv[2])
-    EnvironmentClient(sys.argv[1], timeout=60).run(simulator)
+    EnvironmentClient(sys.argv[1], timeout=60).run(FleetSimulator(scene("agent")))
 """
 SPACES = {
     "observation_space": gymnasium.spaces.Dict(
@@ -370,30 +365,15 @@ def scene(tmp_path):
     return runpy.run_path(str(tmp_path / "walk.py"))["scene"]
 
 
-@pytest.fixture
-def scenes(scene, start, tmp_path):
-    """scenes(endpoint, 0, 20): each in a program of its own; the second ends after 20 steps."""
-
-    def some(endpoint, *crashes):
-        where = {"PYTHONPATH": str(ROOT / "python")}
-        programs = [
-            start(PYTHON, tmp_path / "walk.py", endpoint, crash, ROOT / "python" / KEY, **where) for crash in crashes
-        ]
-        for program in programs:
-            program.wait_for("^simulating Walk")
-        return programs
-
-    return some
-
-
 def walkers(count, socket, **more):
     return gymnasium.make_vec("NetMQExample/Unity-v0", count, env_name="Walk", **SPACES, socket=socket, **more)
 
 
-def test_scenes_of_a_hub_are_to_python_what_the_agents_of_one_scene_are(serve, scene, scenes, inside, make):
+def test_scenes_of_a_hub_are_to_python_what_the_agents_of_one_scene_are(serve, start, scene, inside, make, tmp_path):
     """And what single environments of as many scenes are, whose infos say more."""
     _, endpoint = serve(KEY, *STAY)
-    scenes(endpoint, 0, 0)
+    for _ in range(2):
+        start(PYTHON, tmp_path / "walk.py", endpoint, PYTHONPATH=str(ROOT / "python")).wait_for("^simulating Walk")
     for mode in AutoresetMode:
         words = {"autoreset_mode": mode, "max_episode_steps": 9}
         singles = [inside(scene("agent")).socket for _ in range(2)]
@@ -486,23 +466,6 @@ def test_a_hub_that_was_away_says_first_what_is_missing():
     hub.trainers[b"trainer"].sent -= 10
     hub.tick()
     assert [(one.kind, one.values) for one in sent] == [("alive", {"simulators": 0, "taken": 0})]
-
-
-@pytest.mark.parametrize("missing", ["many", 0.5, True])
-def test_a_hub_that_counts_in_words_is_named(missing, context):
-    hub = context.socket(zmq.ROUTER)
-    endpoint = bind(hub)
-    with hub, FleetSocket(endpoint, "CartPole", 1) as trainer:
-        # It joins while it receives, as soon as there is a connection.
-        while not hub.poll(0):
-            with contextlib.suppress(zmq.Again):
-                trainer.recv_multipart()
-        peer, *_ = hub.recv_multipart()
-        trainer.send_multipart([b"hub", b"begun"])
-        hub.send_multipart([peer, *messages.Message("alive", values={"missing": missing}).frames()])
-        assert trainer.socket.poll(1000 * LIMIT)
-        with pytest.raises(messages.MessageError, match="'missing' must be int"):
-            trainer.recv_multipart()
 
 
 def test_a_hub_that_was_stopped_sends_nobody_home():
