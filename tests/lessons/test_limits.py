@@ -190,7 +190,7 @@ def test_what_waits_for_a_simulator_has_a_limit(one_simulator, monkeypatch):
     assert reports == ["a simulator does not read what is sent, and was forgotten"] and not server.peers
 
 
-# What a message takes once it is read
+# Of a message that was read
 
 
 def most_taken(program):

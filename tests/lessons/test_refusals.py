@@ -1,6 +1,4 @@
-"""Lessons 08 to 21: each class and function names in one line the argument that it cannot use. Those that keep a socket
-and nothing else are in test_rules.py.
-"""
+"""Each Python class and function names in one line the argument that it cannot use."""
 
 from __future__ import annotations
 
@@ -13,27 +11,44 @@ import pytest
 import zmq
 import zmq.asyncio
 
+from netmq_example.background_client import BackgroundClient
 from netmq_example.body import camera, listener, people
+from netmq_example.camera.client import Action, DriverClient
 from netmq_example.errors import Error
 from netmq_example.jobs.client import JobClient
 from netmq_example.jobs.jobs import Jobs
 from netmq_example.jobs.journal import Journal
 from netmq_example.jobs.workers import Workers
+from netmq_example.lazy_pirate import LazyPirate
+from netmq_example.many_requester import ManyRequester
+from netmq_example.message_requester import MessageRequester
 from netmq_example.messages import Message
+from netmq_example.pose_stream import PoseSubscriber
+from netmq_example.publisher import Publisher
 from netmq_example.security import keys
 from netmq_example.security.allow_list import AllowList
 from netmq_example.security.requester import ClientKeys, SecureRequester
+from netmq_example.server import Server
 from netmq_example.talk.ollama import ollama_talk
+from netmq_example.topic_listener import TopicListener
 from netmq_example.work import Kind, Step
-from tests.lessons.test_rules import NAN, WHERE
+from netmq_example.worker_threads import WorkerThreads
 from tests.programs import ROOT
 
 sys.path += [str(ROOT / "python" / key) for key in ("14_long_jobs", "21_talking_character")]
 import progress
 import speech
 
-# An object is refused by all of them. What more an argument cannot be, where that is not a rule of arguments.py alone:
+NAN, WHERE = float("nan"), "tcp://127.0.0.1:5552"
+# All of them refuse an object, and these by the name of the argument. The rules of check.py and arguments.py are tried
+# by the first few.
 MORE: dict[str, list[object]] = {
+    "endpoint": [None, "", "127.0.0.1:5552", "tcp://127.0.0.1:99999"],
+    "timeout": [0, -1, NAN, float("inf"), "1"],
+    "tries": [None, 0, -1, NAN, 1.5, ""],
+    "window": [0],
+    "capacity": [0],
+    "snapshots": [-1, "127.0.0.1:5552", "tcp://127.0.0.1:0"],
     "a": [-1, 33],
     "at": [-1, 10**6],
     "c": [33],
@@ -44,21 +59,34 @@ MORE: dict[str, list[object]] = {
     "job": ["", "../x", "x" * 65],
     "journal": ["", ":memory:", "no/such/folder", "a\0b"],
     "kinds": [{"count": print}],
-    "origins": ["http://localhost", [""]],
+    "origins": ["http://localhost"],
     "pictures": [[]],
     "planned": [{0: "drop"}, {1: ""}],
     "prompt": ["", "x" * 1001],
     "role": ["../server"],
     "share": ["", -1, 2],
-    "topic": ["pose/0", "pose/-1/"],
     "workers": [0, 101],
 }
+
+
+def lessons_02_to_07(context, folder):
+    for kind in LazyPirate, ManyRequester, BackgroundClient, DriverClient, MessageRequester:
+        yield kind, "endpoint context timeout tries", WHERE
+    for kind in ManyRequester, BackgroundClient:
+        yield kind, "window", WHERE
+    yield BackgroundClient, "capacity", WHERE
+    yield Publisher, "endpoint context", "tcp://127.0.0.1:0"
+    yield Server, "answer endpoint context", str, "tcp://127.0.0.1:0"
+    yield TopicListener, "endpoint topic socket", WHERE, "pose/"
+    yield PoseSubscriber, "endpoint stream snapshots timeout", WHERE
+    yield WorkerThreads, "number answer", 1, str
+    for wrong in 0, 100_000:
+        yield lambda number, wrong=wrong: WorkerThreads(wrong, str), "number"
 
 
 def lesson_08(context, folder):
     np = pytest.importorskip("numpy", reason="lesson 08 needs numpy: kit.py run 8 installs it")
     from netmq_example.camera import pictures
-    from netmq_example.camera.client import Action, DriverClient
     from netmq_example.camera.recording import Recorder, recorded
     from netmq_example.worlds.road import Car, DrawnCamera, Road
 
@@ -149,6 +177,7 @@ def lesson_16(context, folder):
     for kind in Requester, made:
         yield kind, "context endpoint timeout", zmq.asyncio.Context.instance(), WHERE, 1
     yield Door, "origins token", [], ""
+    yield lambda origin: Door([""], ""), "origin"
     for kind in WebSocketRequester, SocketIORequester:
         yield kind, "endpoint name token timeout", "http://127.0.0.1:5566", "hello"
     yield asked, "text"
@@ -181,6 +210,8 @@ def lesson_20(context, folder):
     pose, nobody = (listener.BodyPose(1, 0.0, there) for there in (landmarks, []))
     with listener.BodyListener(WHERE, "pose/0/") as hearing:
         yield listener.BodyListener, "endpoint topic socket timeout", WHERE, "pose/0/"
+        for wrong in "pose/0", "pose/-1/":
+            yield lambda topic, wrong=wrong: listener.BodyListener(WHERE, wrong), "topic"
         yield hearing.receive, "timeout"
     yield pose.angle, "a c", 0, 1, 2
     yield lambda a: nobody.angle(0, 1, 2), "a"
@@ -214,7 +245,10 @@ def done(call, words):
         next(made)
 
 
-@pytest.mark.parametrize("lesson", [lesson_08, lesson_14, lesson_15, lesson_16, lesson_17, lesson_20, lesson_21])
+LESSONS = [lessons_02_to_07, lesson_08, lesson_14, lesson_15, lesson_16, lesson_17, lesson_20, lesson_21]
+
+
+@pytest.mark.parametrize("lesson", LESSONS)
 def test_what_a_method_cannot_use_is_named(lesson, context, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for call, names, *right in lesson(context, tmp_path):
@@ -222,6 +256,6 @@ def test_what_a_method_cannot_use_is_named(lesson, context, tmp_path, monkeypatc
         for name in names.split():
             for value in (object(), *MORE.get(name, [])):
                 words = {**dict(zip(parameters, right, strict=False)), name: value}
-                with pytest.raises((Error, ValueError, TypeError), match=rf"\b{name[:-1]}") as refused:
+                with pytest.raises((Error, ValueError, TypeError), match=rf"\b{name}\b|^bad endpoint ") as refused:
                     done(call, words)
                 assert "\n" not in str(refused.value) and len(str(refused.value)) < 200
