@@ -2,7 +2,6 @@
 
 import os
 import re
-import shutil
 from pathlib import Path
 
 import pytest
@@ -249,20 +248,6 @@ def pages(tmp_path_factory, console):
 
 
 @pytest.fixture
-def serve_own(start, tmp_path):
-    """serve_own("05_messages", old, new): where a copy of the lesson's server listens that has this text replaced."""
-
-    def serve_own(key, old, new):
-        for folder in ("netmq_example", key):
-            shutil.copytree(ROOT / "python" / folder, tmp_path / folder)
-        path = tmp_path / key / "server.py"
-        path.write_text(path.read_text(encoding="utf-8").replace(old, new), encoding="utf-8")
-        return start(PYTHON, path, "--endpoint", "tcp://127.0.0.1:0").wait_for(r"^listening on (\S+)")[1]
-
-    return serve_own
-
-
-@pytest.fixture
 def naked_server(start, tmp_path):
     """Where the first page's Python listens."""
     endpoint = steady_endpoint()
@@ -314,8 +299,7 @@ def test_a_script_of_yours_plays(pages, serve, serve_own):
     heard = [line for line in said if line != "the client was disposed"]
     assert heard == ["where to?"] * len(heard), said
     assert 2 <= len(heard) <= 31
-    own = guide.excerpt("python/04_background_client/server.py answer")
-    heard = play("innkeeper", endpoint=serve_own("04_background_client", own, INNKEEPER))
+    heard = play("innkeeper", endpoint=serve_own("04_background_client", INNKEEPER)[1])
     assert heard == ["Welcome, Ada!", "Welcome, Bo!", "Good to see you again, Ada!"]
 
 
@@ -351,7 +335,7 @@ def test_a_listener_of_yours_goes_on(console, start, serve, tmp_path):
 def test_a_picture_of_pythons_is_seen(pages, serve_own):
     """The page's `answer`, in a copy of the lesson's server, and its component: upright, with red above."""
     (mine,) = (block.body for block in BLOCKS if "runs it with the component below" in block.source)
-    endpoint = serve_own("05_messages", "if __name__", f"{mine}\n\nif __name__")
+    endpoint = serve_own("05_messages", mine)[1]
     assert finished([*pages, "picture", endpoint]).stdout.splitlines() == ["320 x 240 0 255"]
 
 

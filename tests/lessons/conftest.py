@@ -17,7 +17,6 @@ from kitlib.setup import dotnet
 from netmq_example import console
 from netmq_example.messages import Message
 from netmq_example.wire import records
-from tests.conftest import PYTHON
 from tests.machines import Machines
 from tests.programs import LIMIT, ROOT
 
@@ -83,19 +82,6 @@ def server_of(key):
     finally:
         sys.path.pop(0)
         sys.modules.pop("server", None)
-
-
-@pytest.fixture
-def serve_own(start, tmp_path):
-    """serve_own("04_background_client", "def answer(text): …"): a lesson's server with an answer of one's own."""
-
-    def serve_own(key, answer, *words):
-        (tmp_path / "own.py").write_text(f"import server\n{answer}\nserver.answer = answer\nserver.main()\n")
-        words = ["--endpoint", "tcp://127.0.0.1:0", *words]
-        server = start(PYTHON, tmp_path / "own.py", *words, folder=tmp_path, PYTHONPATH=str(ROOT / "python" / key))
-        return server, server.wait_for(r"^listening on (\S+)")[1]
-
-    return serve_own
 
 
 @pytest.fixture
