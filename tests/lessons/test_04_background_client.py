@@ -78,11 +78,7 @@ def no_reply_at_all(peer):
 # How the port can be taken by something that is not the server.
 STRANGERS = {
     "silent": lambda peer: None,
-    "closing": lambda peer: peer.close(),
     "noise": lambda peer: peer.sendall(random.Random(4).randbytes(100_000)),
-    "zeros": lambda peer: peer.sendall(bytes(1000)),
-    "old ZMTP": lambda peer: peer.sendall(b"\x01\x00\x06\x00hello\x06\x00world"),
-    "half a greeting": lambda peer: peer.sendall(b"\xff" + bytes(7)),
     "a broken reply": no_reply_at_all,
 }
 

@@ -374,7 +374,6 @@ REFUSED = {
     "no array": (Message("frame", 5), "bad-shape"),
     "two arrays": (Message("frame", 5, {}, picture((2, 2, 3)).arrays * 2), "bad-shape"),
     "a picture of no pixels": (picture((0, 320, 3)), "bad-shape"),
-    "a picture in two dimensions": (picture((240, 320)), "bad-shape"),
     "four colours": (picture((2, 2, 4)), "bad-shape"),
     "a picture of floats": (picture((2, 2, 3), "float32"), "bad-shape"),
     "one number that is upside down": (picture((), bottom_up=True), "bad-shape"),
