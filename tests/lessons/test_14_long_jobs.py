@@ -25,7 +25,7 @@ from kitlib.setup import dotnet
 from netmq_example.jobs import jobs as jobs_module
 from netmq_example.jobs.jobs import Jobs
 from netmq_example.jobs.journal import Journal
-from tests.conftest import PYTHON
+from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.long_jobs.peers import KEY, Message, jobs_server, peer, read, units
 from tests.programs import LIMIT, ROOT, finds_processes, leaves_nothing_to_collect
 
@@ -55,56 +55,55 @@ def work(monkeypatch):
 # The clients
 
 
-@pytest.mark.parametrize("side", ["python", "csharp"])
-def test_clients_in_a_terminal_and_in_unity(side, serve, runs, peer):
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_clients_in_a_terminal_and_in_unity(kind, serve, runs, peer):
     """They say the same of the same job."""
     server, endpoint = serve(KEY, "--workers", "3")
     ended = peer(endpoint).goal("picture", 6)
     drawn = bytes(ended.result("succeeded").arrays[0].data)
-    for kind in [[], ["--unity"]] if side == "csharp" else [[]]:
-        held = peer(endpoint).goal(count=5000)
-        table = {
-            "count": ["--kind", "count", "--count", "40"],
-            "picture": ["--kind", "picture", "--count", "8"],
-            "again": ["--resume", ended.job],
-            "leave": ["--kind", "count", "--count", "60", "--leave-at", "5"],
-            "held": ["--resume", held.job, "--leave-at", "1"],
-            "cancel": ["--kind", "count", "--count", "5000", "--cancel-at", "10"],
-            "held again": ["--resume", held.job, "--cancel-at", "1"],
-            "unknown": ["--resume", "no-such-job"],
-            "forget": ["--kind", "path", "--count", "3", "--forget", *(["true"] if kind else [])],
-        }
-        words = [[*kind, "--endpoint", endpoint, "--timeout", "20", *each] for each in table.values()]
-        said, jobs = {}, {}
-        for name, run in zip(table, runs(side, KEY, words), strict=True):
-            assert run.code == (1 if name == "unknown" else 0), (name, run.lines)
-            first, *lines = [line for line in run.lines if "runInBackground" not in line]
-            jobs[name] = re.fullmatch(rf"asking {endpoint} for job ([0-9a-f]{{32}}|no-such-job)", first)[1]
-            said[name] = [line.replace(f"job {jobs[name][:8]}: ", "") for line in lines]
-        accepted, *places, end, done = said["count"]
-        tenths = [int(re.fullmatch(r"(\d+) of 40", place)[1]) // 4 for place in places]
-        assert tenths and sorted(set(tenths)) == tenths, "a line for each tenth at the most"
-        assert [accepted, end, done] == [
-            "accepted",
-            "succeeded at 40 of 40",
-            f"done: succeeded, 40 bytes, sum {SUM[40]}",
-        ]
-        assert said["picture"][-2:] == ["succeeded at 8 of 8", "done: succeeded, 192 bytes, sum 5861"]
-        assert said["again"] == ["succeeded at 6 of 6", f"done: succeeded, {len(drawn)} bytes, sum {sum(drawn)}"]
-        left = {}
-        for name, least in ("leave", 5), ("held", 1):
-            left[name], again = re.fullmatch(r"left at (\d+); come back with --resume (\w+)", said[name][-1]).groups()
-            assert again == jobs[name] and int(left[name]) >= least
-        assert int(re.fullmatch(r"(\d+) of 5000", said["held again"][0])[1]) > int(left["held"]), "it went on"
-        *_, canceling, end, done = said["cancel"]
-        count = int(re.fullmatch(r"canceled at (\d+) of 5000", end)[1])
-        assert canceling == "canceling" and count >= 10
-        assert done == f"done: canceled, {count} bytes, sum {SUM[count]}"
-        server.wait_for(rf"^job {jobs['cancel'][:8]}: canceled at {count} of 5000")
-        assert said["unknown"][-1].startswith("gave up: unknown-job: there is no such job")
-        end = ["succeeded at 900 of 900, a path of 122 steps", "forgotten", "done: succeeded, 0 bytes, sum 0"]
-        assert said["forget"][-3:] == end
-        assert peer(endpoint, jobs["forget"]).goal("path", 3).hear("forgotten", "accepted").kind == "forgotten"
+    held = peer(endpoint).goal(count=5000)
+    table = {
+        "count": ["--kind", "count", "--count", "40"],
+        "picture": ["--kind", "picture", "--count", "8"],
+        "again": ["--resume", ended.job],
+        "leave": ["--kind", "count", "--count", "60", "--leave-at", "5"],
+        "held": ["--resume", held.job, "--leave-at", "1"],
+        "cancel": ["--kind", "count", "--count", "5000", "--cancel-at", "10"],
+        "held again": ["--resume", held.job, "--cancel-at", "1"],
+        "unknown": ["--resume", "no-such-job"],
+        "forget": ["--kind", "path", "--count", "3", "--forget", *(["true"] if kind == "unity" else [])],
+    }
+    words = [["--endpoint", endpoint, "--timeout", "20", *each] for each in table.values()]
+    said, jobs = {}, {}
+    for name, run in zip(table, runs(kind, KEY, words), strict=True):
+        assert run.code == (1 if name == "unknown" else 0), (name, run.lines)
+        first, *lines = [line for line in run.lines if "runInBackground" not in line]
+        jobs[name] = re.fullmatch(rf"asking {endpoint} for job ([0-9a-f]{{32}}|no-such-job)", first)[1]
+        said[name] = [line.replace(f"job {jobs[name][:8]}: ", "") for line in lines]
+    accepted, *places, end, done = said["count"]
+    tenths = [int(re.fullmatch(r"(\d+) of 40", place)[1]) // 4 for place in places]
+    assert tenths and sorted(set(tenths)) == tenths, "a line for each tenth at the most"
+    assert [accepted, end, done] == [
+        "accepted",
+        "succeeded at 40 of 40",
+        f"done: succeeded, 40 bytes, sum {SUM[40]}",
+    ]
+    assert said["picture"][-2:] == ["succeeded at 8 of 8", "done: succeeded, 192 bytes, sum 5861"]
+    assert said["again"] == ["succeeded at 6 of 6", f"done: succeeded, {len(drawn)} bytes, sum {sum(drawn)}"]
+    left = {}
+    for name, least in ("leave", 5), ("held", 1):
+        left[name], again = re.fullmatch(r"left at (\d+); come back with --resume (\w+)", said[name][-1]).groups()
+        assert again == jobs[name] and int(left[name]) >= least
+    assert int(re.fullmatch(r"(\d+) of 5000", said["held again"][0])[1]) > int(left["held"]), "it went on"
+    *_, canceling, end, done = said["cancel"]
+    count = int(re.fullmatch(r"canceled at (\d+) of 5000", end)[1])
+    assert canceling == "canceling" and count >= 10
+    assert done == f"done: canceled, {count} bytes, sum {SUM[count]}"
+    server.wait_for(rf"^job {jobs['cancel'][:8]}: canceled at {count} of 5000")
+    assert said["unknown"][-1].startswith("gave up: unknown-job: there is no such job")
+    end = ["succeeded at 900 of 900, a path of 122 steps", "forgotten", "done: succeeded, 0 bytes, sum 0"]
+    assert said["forget"][-3:] == end
+    assert peer(endpoint, jobs["forget"]).goal("path", 3).hear("forgotten", "accepted").kind == "forgotten"
 
 
 def test_a_server_that_crashes_goes_on_from_the_checkpoint_when_started_in_the_same_way(

@@ -31,7 +31,7 @@ from netmq_example.jobs.journal import Journal
 from netmq_example.jobs.workers import Workers
 from netmq_example.messages import Array, Message
 from netmq_example.work import Kind, Step
-from tests.conftest import PYTHON
+from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.conftest import bind
 from tests.lessons.long_jobs.peers import KEY, Message, jobs_server, peer, read, units
 from tests.programs import LIMIT, ROOT
@@ -74,20 +74,18 @@ def test_the_client_on_the_page_watches_its_job(jobs_server, start):
     assert client.lines[-1].startswith("result {") and "'done': 100, 'total': 100" in client.lines[-1], client.lines
 
 
-@each_side
-def test_every_client_has_a_kind_of_your_own_done_with_its_text(side, serve_own, runs):
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_every_client_has_a_kind_of_your_own_done_with_its_text(kind, serve_own, runs):
     """The one of the page, which it says to put at the end of work.py."""
     own = next(block.body for block in PAGE if "has it done by every client" in block.source)
     always = ("--endpoint", serve_own(KEY, own, file="work.py")[1], "--count", "3", "--timeout", "20", "--kind")
-    kinds = [[], ["--unity"]] if side == "csharp" else [[]]
-    own = (["primes", "--text", "1000000"], ["primes", "--text", "zwölf"], ["proofs"])
-    found = runs(side, KEY, [[*kind, *always, *one] for kind in kinds for one in own])
-    for good, wrong, unknown in (found[i : i + 3] for i in range(0, len(found), 3)):
-        assert (good.code, wrong.code, unknown.code) == (0, 1, 1), (good, wrong, unknown)
-        assert good.lines[-2].endswith("succeeded at 3 of 3, 1000037")
-        assert wrong.lines[-2].endswith("the text says where to begin, such as 1000000, and not 'zwölf'")
-        assert wrong.lines[-1] == "gave up: the job was aborted; see above"
-        assert unknown.lines[-1].startswith("gave up: bad-goal: 'proofs' with count 3 is none of: count up to 10000")
+    texts = (["primes", "--text", "1000000"], ["primes", "--text", "zwölf"], ["proofs"])
+    good, wrong, unknown = runs(kind, KEY, [[*always, *each] for each in texts])
+    assert (good.code, wrong.code, unknown.code) == (0, 1, 1), (good, wrong, unknown)
+    assert good.lines[-2].endswith("succeeded at 3 of 3, 1000037")
+    assert wrong.lines[-2].endswith("the text says where to begin, such as 1000000, and not 'zwölf'")
+    assert wrong.lines[-1] == "gave up: the job was aborted; see above"
+    assert unknown.lines[-1].startswith("gave up: bad-goal: 'proofs' with count 3 is none of: count up to 10000")
 
 
 def test_a_kind_that_no_process_can_be_handed_is_one_line_at_the_start(start, tmp_path):

@@ -21,12 +21,13 @@ from netmq_example.security import keys
 from netmq_example.security.allow_list import AllowList
 from netmq_example.security.requester import ClientKeys, SecureRequester
 from tests.bad_peers import SlowLine
-from tests.conftest import PYTHON
+from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.conftest import answering, bind
 from tests.programs import LIMIT, ROOT, Run, finished, python_runs, steady_endpoint
 
 KEY = "15_security"
 FOLDER = ROOT / "python" / KEY
+each_client = pytest.mark.parametrize("kind", CLIENTS)
 each_side = pytest.mark.parametrize("side", ["python", "csharp"])
 NOBODY = "a" * 40
 # C# compiles its cryptography, and a busy machine takes its time.
@@ -36,17 +37,9 @@ TAKEN = "is there, and is never overwritten; rotate makes a new pair, revoke fre
 REVOKED = "error: your key is not on the list, or not any more"
 
 
-def words(kind, *options):
-    """The options as this client spells them: in Unity each is a field, and has a value."""
-    found = [{"--server-key": "--serverKey"}.get(each, each) for each in options] if kind else [*options]
-    return [*kind, *(word for each in found for word in ([each, "true"] if kind and each in SWITCHES else [each]))]
-
-
-SWITCHES = ("--stranger", "--plain")
-
-
-def kinds(side):
-    return [[], ["--unity"]] if side == "csharp" else [[]]
+def switch(kind, name):
+    """An option without a value, which in Unity is a field, and has one."""
+    return [name, *(["true"] if kind == "unity" else [])]
 
 
 @pytest.fixture
@@ -106,70 +99,71 @@ def ran(*each, folder):
 # Who comes in
 
 
-@each_side
-def test_who_is_on_the_list_comes_in_and_nobody_else(side, folder, alice, tmp_path, serve, runs):
+@each_client
+def test_who_is_on_the_list_comes_in_and_nobody_else(kind, folder, alice, tmp_path, serve, runs):
     server, endpoint = serve(KEY, "--keys", str(folder))
-    always = ("--endpoint", endpoint, "--keys", str(folder), "--count", "2")
+    server_key = "--serverKey" if kind == "unity" else "--server-key"
     # A refusal is told by the connection, at once. The others may have time.
-    cases = {"": [], "stranger": ["--stranger"], "wrong": ["--server-key", NOBODY], "plain": ["--plain"]}
-    bad = tmp_path / "bad"
-    for name in ("no secret", "public alone"):
-        keys.make(bad / name, "client")
-        (bad / name / "client.key_secret").unlink()
-    shutil.copy(bad / "no secret" / "client.key", bad / "no secret" / "client.key_secret")
-    (bad / "file").write_text("")
-    before = {path: path.read_bytes() for path in bad.rglob("*") if path.is_file()}
-    each = [words(kind, *always, *PATIENT, *options) for kind in kinds(side) for options in cases.values()]
-    for kind in kinds(side):
-        nowhere = [*kind, "--endpoint", "tcp://127.0.0.1:1", "--timeout", "0.3", "--tries", "1", "--keys"]
-        # A key may begin with two dashes, and is no option after the equals sign.
-        server_key = f"{'--serverKey' if kind else '--server-key'}=--{zmq.curve_keypair()[0].decode()[2:]}"
-        each += [[*nowhere, str(bad / name), server_key] for name in ("no secret", "public alone", "file")]
-        # There it makes them.
-        each.append([*nowhere, str(tmp_path / f"made by {side} {kind}" / "keys"), server_key])
-        each.append([*nowhere, str(bad / "own")])
-    found = runs(side, KEY, each)
+    cases = {
+        "": [],
+        "stranger": switch(kind, "--stranger"),
+        "wrong": [server_key, NOBODY],
+        "plain": switch(kind, "--plain"),
+    }
+    always = ["--endpoint", endpoint, "--keys", str(folder), "--count", "2", *PATIENT]
+    entered, *refused = runs(kind, KEY, [[*always, *options] for options in cases.values()])
+    assert entered.code == 0, entered.lines
+    greeting = "sent Hello, received Hello alice"
+    assert entered.lines[-3:] == [f"1: {greeting}", f"2: {greeting}", "done: 2 replies"]
     strangers = []
-    for _ in kinds(side):
-        entered, *refused = found[:4]
-        del found[:4]
-        assert entered.code == 0, entered.lines
-        greeting = "sent Hello, received Hello alice"
-        assert entered.lines[-3:] == [f"1: {greeting}", f"2: {greeting}", "done: 2 replies"]
-        for name, run in zip([*cases][1:], refused, strict=True):
-            assert run.code == 1, run.lines
-            gave_up = next(line for line in run.lines if "gave up: " in line)
-            tries = [f"1: connected and thrown out; try {i} of 3" for i in (2, 3)]
-            assert [line for line in run.lines if "; try " in line] == tries
-            said = f"gave up: 3 tries to ask {endpoint}, the last: connected and thrown out; "
-            if name == "plain":
-                assert gave_up == f"{said}a server with keys refuses who has none"
-                continue
-            asked = "is this client on its list, is server.key its key, and has it keys at all? This client's is "
-            assert gave_up.startswith(f"{said}{asked}")
-            mine = gave_up.rpartition(" ")[2]
-            assert (mine == alice) == (name == "wrong")
-            strangers += [mine] * (name == "stranger")
+    for name, run in zip([*cases][1:], refused, strict=True):
+        assert run.code == 1, run.lines
+        gave_up = next(line for line in run.lines if "gave up: " in line)
+        tries = [f"1: connected and thrown out; try {i} of 3" for i in (2, 3)]
+        assert [line for line in run.lines if "; try " in line] == tries
+        said = f"gave up: 3 tries to ask {endpoint}, the last: connected and thrown out; "
+        if name == "plain":
+            assert gave_up == f"{said}a server with keys refuses who has none"
+            continue
+        asked = "is this client on its list, is server.key its key, and has it keys at all? This client's is "
+        assert gave_up.startswith(f"{said}{asked}")
+        mine = gave_up.rpartition(" ")[2]
+        assert (mine == alice) == (name == "wrong")
+        strangers += [mine] * (name == "stranger")
     named = [line for line in server.lines if line.startswith("refused: ") and "more" not in line]
     assert named == [f"refused: key {key} from 127.0.0.1 is not in {folder / 'allowed'}" for key in strangers]
-    assert server.lines.count("alice from 127.0.0.1: 'Hello'") == 2 * len(kinds(side))
-    for kind in kinds(side):
-        secretless, alone, file, made, missing = found[:5]
-        del found[:5]
-        # Without a server it is not keys that are to be looked at.
-        nobody = "gave up: 1 try to ask tcp://127.0.0.1:1, the last: no reply within 0.3 s; is the server running, or "
-        assert made.code == 1 and nobody in "\n".join(made.lines)
-        secret = tmp_path / f"made by {side} {kind}" / "keys" / "client.key_secret"
-        assert keys.load(secret)[0] == keys.load(secret.with_name("client.key"))[0]
-        assert f"no key in {bad / 'no secret' / 'client.key_secret'}; {NO_KEY}" in "\n".join(secretless.lines)
-        assert f"{bad / 'public alone' / 'client.key'} {TAKEN}" in "\n".join(alone.lines)
-        assert str(bad / "file") in "\n".join(file.lines)
-        # In full, because its folder is seldom the one where the keys were made.
-        assert f"no key in {bad / 'own' / 'server.key'}; {NO_KEY}" in "\n".join(missing.lines)
-        for run in (secretless, alone, file, missing):
-            assert run.code == (1 if kind else 2), run.lines
-            assert not [line for line in run.lines if "Unhandled" in line or "Traceback" in line]
-    assert before == {path: path.read_bytes() for path in bad.rglob("*") if path.is_file()}
+    assert server.lines.count("alice from 127.0.0.1: 'Hello'") == 2
+
+
+@each_client
+def test_a_client_names_the_key_that_it_has_not_and_makes_what_it_can(kind, tmp_path, runs):
+    for name in ("no secret", "public alone"):
+        keys.make(tmp_path / name, "client")
+        (tmp_path / name / "client.key_secret").unlink()
+    shutil.copy(tmp_path / "no secret" / "client.key", tmp_path / "no secret" / "client.key_secret")
+    (tmp_path / "file").write_text("")
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    # A key may begin with two dashes, and is no option after the equals sign.
+    server_key = f"{'--serverKey' if kind == 'unity' else '--server-key'}=--{zmq.curve_keypair()[0].decode()[2:]}"
+    nowhere = ["--endpoint", "tcp://127.0.0.1:1", "--timeout", "0.3", "--tries", "1", "--keys"]
+    wrong = {
+        "no secret": f"no key in {tmp_path / 'no secret' / 'client.key_secret'}; {NO_KEY}",
+        "public alone": f"{tmp_path / 'public alone' / 'client.key'} {TAKEN}",
+        "file": str(tmp_path / "file"),
+    }
+    words = [[*nowhere, str(tmp_path / name), server_key] for name in (*wrong, "own")]
+    *found, made, missing = runs(kind, KEY, [*words, [*nowhere, str(tmp_path / "none")]])
+    # In full, because its folder is seldom the one where the keys were made.
+    causes = [*wrong.values(), f"no key in {tmp_path / 'none' / 'server.key'}; {NO_KEY}"]
+    for cause, run in zip(causes, [*found, missing], strict=True):
+        assert run.code == (1 if kind == "unity" else 2) and cause in "\n".join(run.lines), run
+        assert not [line for line in run.lines if "Unhandled" in line or "Traceback" in line]
+    # Without a server it is not keys that are to be looked at.
+    nobody = "gave up: 1 try to ask tcp://127.0.0.1:1, the last: no reply within 0.3 s; is the server running, or "
+    assert made.code == 1 and nobody in "\n".join(made.lines)
+    own = tmp_path / "own"
+    assert keys.load(own / "client.key_secret")[0] == keys.load(own / "client.key")[0]
+    assert before == {path: path.read_bytes() for path in before}
 
 
 def test_a_server_that_makes_its_keys_says_where(tmp_path, start):
@@ -403,8 +397,8 @@ def test_a_server_says_in_one_line_what_it_cannot_use(runs, tmp_path):
         assert said == "no key in " or f"'{to}': write it like" in run.lines[-1]
 
 
-@each_side
-def test_a_file_that_holds_no_key_of_a_clients_is_not_read(side, folder, runs):
+@each_client
+def test_a_file_that_holds_no_key_of_a_clients_is_not_read(kind, folder, run):
     """A pipe would never end, and what is large would fill the memory."""
     always = ["--endpoint", "tcp://127.0.0.1:1", "--timeout", "0.3", "--tries", "1", "--keys"]
     key = (folder / "server.key").read_bytes()
@@ -415,8 +409,7 @@ def test_a_file_that_holds_no_key_of_a_clients_is_not_read(side, folder, runs):
             (folder / "server.key").write_bytes(key.ljust(4097))
         else:
             os.mkfifo(folder / "server.key")
-        for run in runs(side, KEY, [words(kind, *always, str(folder)) for kind in kinds(side)]):
-            assert f"no key in {folder / 'server.key'}; {NO_KEY}" in "\n".join(run.lines)
+        assert f"no key in {folder / 'server.key'}; {NO_KEY}" in "\n".join(run(kind, KEY, *always, str(folder)).lines)
 
 
 # A gate in front of a server that knows nothing of keys
@@ -435,22 +428,16 @@ def gate(request, folder, start, context):
         yield program, program.wait_for(r"^listening on (\S+)")[1], behind
 
 
-def test_clients_of_other_lessons_come_through_the_gate_with_keys(folder, serve, start, runs):
-    gates = {}
-    for key in ("04_background_client", "14_long_jobs"):
-        words = ["--to", serve(key)[1], "--endpoint", "tcp://127.0.0.1:0", "--keys", folder]
-        gates[key] = start(PYTHON, FOLDER / "gate.py", *words).wait_for(r"^listening on (\S+)")[1]
-    for key, endpoint in gates.items():
-        always = ("--endpoint", endpoint, "--count", "5")
-        known = (*always, *PATIENT, "--with-keys", str(folder))
-        unity_too = kinds("csharp") if key.startswith("04") else [[]]
-        without, *welcome = runs(
-            "csharp",
-            key,
-            [[*always, "--tries", "1", "--timeout", "0.3"], *([*kind, *known] for kind in unity_too)],
-        )
-        assert without.code == 1, without.lines
-        assert {run.code for run in welcome} == {0}, welcome
+@pytest.mark.parametrize(
+    ("key", "kind"), [("04_background_client", "csharp"), ("04_background_client", "unity"), ("14_long_jobs", "csharp")]
+)
+def test_clients_of_other_lessons_come_through_the_gate_with_keys(key, kind, folder, serve, start, run):
+    words = ["--to", serve(key)[1], "--endpoint", "tcp://127.0.0.1:0", "--keys", folder]
+    endpoint = start(PYTHON, FOLDER / "gate.py", *words).wait_for(r"^listening on (\S+)")[1]
+    always = ["--endpoint", endpoint, "--count", "5"]
+    without = run(kind, key, *always, "--tries", "1", "--timeout", "0.3")
+    welcome = run(kind, key, *always, *PATIENT, "--with-keys", str(folder))
+    assert (without.code, welcome.code) == (1, 0), (without, welcome)
 
 
 def test_who_is_revoked_hears_no_more_of_what_was_asked_before(gate, folder, connect):

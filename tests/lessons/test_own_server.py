@@ -505,22 +505,6 @@ def test_a_signals_handler_may_close_it(server):
 # and for asyncio
 
 
-def test_500_at_once_each_get_their_own_reply(server, work):
-    async def main():
-        with BackgroundClient(server.endpoint, timeout=PATIENT, window=8) as client:
-            texts = [f"a{i}" for i in range(500)]
-            assert await asyncio.gather(*map(client.ask, texts)) == [text.upper() for text in texts]
-            with pytest.raises(Refused):
-                await client.ask("bad")
-            with pytest.raises(TimeoutError):
-                async with asyncio.timeout(0.05):
-                    await client.ask("wait")
-            work.go.set()
-            assert await client.ask("b") == "B"
-
-    asyncio.run(main())
-
-
 def test_no_try_follows_once_its_task_is_cancelled():
     async def main():
         with BackgroundClient(steady_endpoint(), timeout=0.1, tries=10_000) as client:
