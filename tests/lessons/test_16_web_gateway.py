@@ -372,18 +372,6 @@ def test_what_a_stranger_sends_is_answered_with_an_error_and_no_more(gateway):
 
     in_browser(endpoint, talk)
     assert status(endpoint, name="etc") == 404
-
-    async def noise():
-        async with aiohttp.ClientSession() as session:
-            where = f"{endpoint}/socket.io/?EIO=4&transport=polling"
-            async with session.get(where) as reply:
-                sid = json.loads((await reply.text())[1:])["sid"]
-            odd = ["", "nonsense", "40", "42", '42["hello"', "451-[", '421["hello",{"_placeholder":true,"num":7}]']
-            for data in odd:
-                async with session.post(f"{where}&sid={sid}", data=data) as reply:
-                    await reply.text()
-
-    asyncio.run(noise())
     assert in_browser(endpoint, lambda browser: asked(browser, "Hello")) == ["World"]
     assert len(program.lines) < begin + 20, program.output
 
