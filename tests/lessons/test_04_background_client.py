@@ -14,7 +14,7 @@ import pytest
 import zmq
 
 from netmq_example.background_client import BackgroundClient
-from tests.bad_peers import Listener
+from tests.bad_peers import Listener, greeting, ready
 from tests.conftest import CLIENTS
 from tests.lessons.conftest import answering, ask, bind, server_of
 from tests.programs import LIMIT, steady_endpoint
@@ -62,12 +62,9 @@ def check(start, checks):
 
 def no_reply_at_all(peer):
     """REQ drops a reply without the empty frame in front: there is something to receive, and then there is not."""
-    # ZMTP 3.0 (rfc.zeromq.org/spec/23) by hand.
     stream = peer.makefile("rb")
-    peer.sendall(b"\xff" + bytes(7) + b"\x01\x7f" + b"\x03\x00" + b"NULL".ljust(20, b"\0") + bytes(32))
+    peer.sendall(greeting() + ready(b"ROUTER"))
     stream.read(64)
-    ready = b"\x05READY" + b"\x0bSocket-Type" + (6).to_bytes(4, "big") + b"ROUTER"
-    peer.sendall(bytes([4, len(ready)]) + ready)
     assert stream.read(stream.read(2)[1])[:6] == b"\x05READY"
     while True:
         for _ in range(3):

@@ -16,6 +16,7 @@ import zmq
 from netmq_example import many_requester
 from netmq_example.many_requester import ManyRequester
 from netmq_example.worker_threads import WorkerThreads
+from tests.bad_peers import greeting, ready
 from tests.conftest import CLIENTS
 from tests.lessons.conftest import bind
 from tests.programs import LIMIT, steady_endpoint
@@ -205,8 +206,7 @@ def wrong_first(router, endpoint, over):
         raw, _ = wrong.accept()
         with raw:
             raw.settimeout(30)
-            raw.sendall(b"\xff" + bytes(8) + b"\x7f\x03\x00NULL" + bytes(48))
-            raw.sendall(b"\x04\x19\x05READY\x0bSocket-Type\x00\x00\x00\x03PUB")
+            raw.sendall(greeting() + ready(b"PUB"))
             # It reads what this is, and hangs up.
             with contextlib.suppress(ConnectionResetError):
                 while raw.recv(4096):

@@ -16,7 +16,7 @@ import pytest
 import zmq
 
 from kitlib.lessons import Lesson, lessons
-from tests.bad_peers import NetMQsFault, cuts_off_what_is_endless
+from tests.bad_peers import NetMQsFault, cuts_off_what_is_endless, greeting, ready
 from tests.conftest import PYTHON
 from tests.programs import PATIENT, ROOT, finished, free_port, places
 
@@ -282,9 +282,8 @@ def test_python_programs_say_why_they_end(key, run, serve, tmp_path, monkeypatch
         assert limits and all(0 < int(largest) < 2**30 and int(linger) >= 0 for largest, linger in limits), ended
 
 
-READY = b"\x05READY\x0bSocket-Type\0\0\0\x06ROUTER"
 FAULTS = {
-    "an empty command": ("01_request_reply", b"NULL", b"\x04" + bytes([len(READY)]) + READY + b"\x04\0"),
+    "an empty command": ("01_request_reply", b"NULL", ready(b"ROUTER") + b"\x04\0"),
     "a property of 4 GB": ("01_request_reply", b"NULL", b"\x04\x0c\x05READY\x01X" + b"\xff" * 4),
     "READY before WELCOME": ("15_security", b"CURVE", b"\x04\x2e\x05READY" + bytes(40)),
 }
@@ -296,8 +295,10 @@ def test_what_netmq_cannot_read_ends_a_csharp_client_in_one_line(name, start, cl
     with NetMQsFault(*bad) as server:
         client = start(*client_command("csharp", key, server.endpoint, *secrets(key, tmp_path)))
         assert client.wait() == 1
-    _, ended = client.lines
-    assert re.fullmatch("gave up: NetMQ cannot read what the server sent: .*; is it one of this kit\\?", ended)
+    # On a busy machine a try may have been in vain before.
+    assert re.fullmatch(
+        "gave up: NetMQ cannot read what the server sent: .*; is it one of this kit\\?", client.lines[-1]
+    )
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no such limit")
@@ -403,8 +404,8 @@ def test_a_server_serves_on_whatever_comes_and_leaves_its_ports(
 
     second = [word for name, place in places(server).items() if name != "listening" for word in (f"--{name}", place)]
     words = [*secrets(key, tmp_path), *second, *SHORTER.get((key, "client"), []), *PATIENT]
-    greeting = b"\xff" + bytes(8) + b"\x7f\x03\x00NULL" + bytes(16 + 32)
-    half = [b"GET / HTTP/1.1\r\n\r\n", b"\0" * 5000, b"\xff" * 64, greeting[:20], greeting, greeting + b"\x04\xff" * 20]
+    whole = greeting()
+    half = [b"GET / HTTP/1.1\r\n\r\n", b"\0" * 5000, b"\xff" * 64, whole[:20], whole, whole + b"\x04\xff" * 20]
     with zmq.Context() as context, context.socket(zmq.DEALER) as rude:
         # A PUB socket takes no notice, and hangs up: then there is nobody to send to, and a send would wait for ever.
         rude.linger = 0
