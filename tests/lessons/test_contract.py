@@ -296,9 +296,8 @@ def test_what_netmq_cannot_read_ends_a_csharp_client_in_one_line(name, start, cl
         client = start(*client_command("csharp", key, server.endpoint, *secrets(key, tmp_path)))
         assert client.wait() == 1
     # On a busy machine a try may have been in vain before.
-    assert re.fullmatch(
-        "gave up: NetMQ cannot read what the server sent: .*; is it one of this kit\\?", client.lines[-1]
-    )
+    why = "gave up: NetMQ cannot read what the server sent: .*; is it one of this kit\\?"
+    assert re.fullmatch(why, client.lines[-1])
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no such limit")
