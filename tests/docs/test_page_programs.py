@@ -116,30 +116,24 @@ NAKED
     static void Script(string which, string endpoint)
     {
         var player = new Player(typeof(MyClient).Assembly);
-        var (answers, least) = (0, which == "paths" || which == "innkeeper" ? 3 : 2);
+        var (answers, least) = (0, which == "Paths" || which == "Innkeeper" ? 3 : 2);
         var wanted = new[] { "where to?", "it says 3.5", "echo 2: 2", "echo 3: 3", "sleep 0.5: slept 0.5",
             "Welcome, Ada!", "Welcome, Bo!", "Good to see you again, Ada!" };
         Application.logMessageReceived += (line, _, _) => answers += wanted.Contains(line) ? 1 : 0;
         player.Begin(() =>
         {
-            var thing = new GameObject("mine");
-            thing.SetActive(false);
-            var types = which == "client" ? new[] { typeof(MyClient) }
-                : which == "asker" ? new[] { typeof(Asker) }
-                : which == "paths" ? new[] { typeof(Paths) }
-                : new[] { typeof(Innkeeper) };
-            var scripts = types.Select(type => (MonoBehaviour)thing.AddComponent(type)).ToArray();
-            Inspector.Set(scripts, "endpoint", endpoint);
-            thing.transform.position = new Vector3(3.5f, 0, 0);
-            // Asked while it is off: left out.
-            thing.GetComponent<Paths>()?.Ask(new[] { "echo old" });
-            thing.SetActive(true);
-            if (thing.GetComponent<Paths>() is Paths paths) paths.Ask(new[] { "sleep 0.5", "echo 2", "echo 3" });
-            if (!(thing.GetComponent<Asker>() is Asker asker)) return;
+            var script = Add(typeof(MyClient).Assembly.GetType(which), endpoint, added =>
+            {
+                added.transform.position = new Vector3(3.5f, 0, 0);
+                // Asked while it is off: left out.
+                (added as Paths)?.Ask(new[] { "echo old" });
+            });
+            (script as Paths)?.Ask(new[] { "sleep 0.5", "echo 2", "echo 3" });
+            if (!(script is Asker asker)) return;
             // While its thread begins.
-            thing.transform.position = new Vector3(1.5f, 0, 0);
+            asker.transform.position = new Vector3(1.5f, 0, 0);
             asker.Ask();
-            thing.transform.position = new Vector3(3.5f, 0, 0);
+            asker.transform.position = new Vector3(3.5f, 0, 0);
         });
         player.Run(TimeSpan.FromSeconds(30), () => answers >= least && Time.realtimeSinceStartup > 2.5f);
         player.Stop();
@@ -287,18 +281,18 @@ def test_a_script_of_yours_plays(pages, serve, serve_own):
         done = finished([*pages, which, endpoint or serve(lesson)[1]])
         return (done.stdout + done.stderr).splitlines()
 
-    said = play("asker", "05_messages")
+    said = play("Asker", "05_messages")
     assert said == ["it says 1.5", *["it says 3.5"] * (len(said) - 1)] and len(said) >= 3, said
-    said = play("paths", "06_many_in_flight")
+    said = play("Paths", "06_many_in_flight")
     heard = sorted(line for line in said if "no reply within" not in line)
     assert heard == ["echo 2: 2", "echo 3: 3", "sleep 0.5: slept 0.5"], said
-    said = play("client", "04_background_client")
+    said = play("MyClient", "04_background_client")
     # One at once, one after a second, one after two, and on a busy machine more, a second apart; and no error at Stop,
     # but of what was asked just then.
     heard = [line for line in said if line != "the client was disposed"]
     assert heard == ["where to?"] * len(heard), said
     assert 2 <= len(heard) <= 31
-    heard = play("innkeeper", endpoint=serve_own("04_background_client", INNKEEPER)[1])
+    heard = play("Innkeeper", endpoint=serve_own("04_background_client", INNKEEPER)[1])
     assert heard == ["Welcome, Ada!", "Welcome, Bo!", "Good to see you again, Ada!"]
 
 
