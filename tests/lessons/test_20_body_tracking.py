@@ -232,7 +232,6 @@ def test_a_stream_without_a_pose_is_given_up(kind, stage, listen):
 
 STAND_IN = '''
 from types import SimpleNamespace
-from typing import Any
 class Landmark(SimpleNamespace): pass
 class ImageFormat: SRGB = 1
 class Image:
@@ -288,8 +287,6 @@ tasks = SimpleNamespace(vision=vision, BaseOptions=SimpleNamespace)
 OPENCV = '''
 import time
 from types import SimpleNamespace
-from typing import Any
-from typing import Any
 COLOR_BGR2RGB = 4
 def cvtColor(picture, code):
     assert (picture, code) == ("BGR of a picture", 4)
