@@ -4,6 +4,7 @@ test_08_see_and_steer.py.
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import itertools
 import os
@@ -11,14 +12,13 @@ import re
 import signal
 import statistics
 import sys
-import threading
 import time
 
 import pytest
-import zmq
 
 from netmq_example.messages import Message
 from tests.conftest import CLIENTS
+from tests.lessons.conftest import answering
 from tests.programs import LIMIT, PATIENT, ROOT, Program
 
 KEY = "08_see_and_steer"
@@ -33,16 +33,17 @@ STEPS = 40
 GOLDEN = "03143488f6c9f5f0bbfafe3b9e67b01167ae476117b69d914533de294ba493bb"
 
 
-class Driver(threading.Thread):
-    """Answers each picture as it is told, and keeps what was sent. None: not at all."""
+class Driver:
+    """Answers each picture as it is told, and keeps what was sent."""
 
-    def __init__(self, context, answer):
-        super().__init__(daemon=True)
-        self.socket, self.answer, self.frames = context.socket(zmq.REP), answer, []
-        self.socket.rcvtimeo = 100
-        self.endpoint = f"tcp://127.0.0.1:{self.socket.bind_to_random_port('tcp://127.0.0.1')}"
-        self.over = threading.Event()
-        self.start()
+    def __init__(self, answer):
+        self.answer, self.frames = answer, []
+
+    def __call__(self, request):
+        frame = Message.read(request)
+        self.frames.append(frame)
+        values = {"frame": frame.id, "throttle": 0.5, "brake": 0.0, "steer": 0.0}
+        return Message("action", frame.id, values | self.answer(frame)).frames()
 
     def until(self, wanted):
         """Waits for a picture whose values are as wanted."""
@@ -54,30 +55,17 @@ class Driver(threading.Thread):
             if wanted(self.frames[at].values):
                 return
 
-    def run(self):
-        with self.socket:
-            while not self.over.is_set():
-                try:
-                    frame = Message.read(self.socket.recv_multipart())
-                except zmq.Again:
-                    continue
-                self.frames.append(frame)
-                values = {"frame": frame.id, "throttle": 0.5, "brake": 0.0, "steer": 0.0}
-                self.socket.send_multipart(Message("action", frame.id, values | self.answer(frame)).frames())
-
 
 @pytest.fixture
 def driver(context):
-    drivers = []
+    with contextlib.ExitStack() as stack:
 
-    def start(answer):
-        drivers.append(Driver(context, answer))
-        return drivers[-1]
+        def start(answer):
+            one = Driver(answer)
+            one.endpoint = stack.enter_context(answering(context, one))
+            return one
 
-    yield start
-    for one in drivers:
-        one.over.set()
-        one.join()
+        yield start
 
 
 def after(seconds, number=0, longer=0.0):
