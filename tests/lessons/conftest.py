@@ -32,7 +32,26 @@ def context():
 def bind(socket, endpoint="tcp://127.0.0.1:*"):
     """Let it listen: where that is."""
     socket.bind(endpoint)
+    return where(socket)
+
+
+def where(socket):
+    """The endpoint where it listens."""
     return socket.last_endpoint.decode()
+
+
+@pytest.fixture
+def fake(context):
+    """An XPUB, which sees subscriptions come."""
+    with context.socket(zmq.XPUB) as stream:
+        bind(stream)
+        yield stream
+
+
+@pytest.fixture
+def start_client(start, client_command):
+    """start_client("python", "03_publish_subscribe", endpoint, LANG="de_DE.UTF-8"): the running program."""
+    return lambda *words, **environment: start(*client_command(*words), **environment)
 
 
 @pytest.fixture

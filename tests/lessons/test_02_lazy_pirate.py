@@ -70,9 +70,9 @@ def balance(context, endpoint):
 
 
 @clients
-def test_ten_additions(kind, pirate_server, start, client_command):
+def test_ten_additions(kind, pirate_server, start_client):
     server, endpoint = pirate_server()
-    client = start(*client_command(kind, KEY, endpoint, "--timeout", "20"))
+    client = start_client(kind, KEY, endpoint, "--timeout", "20")
     assert client.wait() == 0, client.output
     assert client.lines == [f"asking {endpoint}", *received(range(1, 11)), "done: 10 replies"]
     # The server prints after it has replied: its last line may come later than the client's end.
@@ -86,11 +86,11 @@ def test_ten_additions(kind, pirate_server, start, client_command):
 
 
 @clients
-def test_a_crash_between_the_work_and_the_reply(kind, pirate_server, start, client_command):
+def test_a_crash_between_the_work_and_the_reply(kind, pirate_server, start_client):
     endpoint = steady_endpoint()
     server, _ = pirate_server("--crash-on", "3", endpoint=endpoint)
     # The next server may need longer to begin than five tries last.
-    client = start(*client_command(kind, KEY, endpoint, "--count", "5", "--tries", "20"))
+    client = start_client(kind, KEY, endpoint, "--count", "5", "--tries", "20")
     assert server.wait() == 1
     i = fate(server, "crash")
     again, _ = pirate_server(endpoint=endpoint)
@@ -134,11 +134,11 @@ def test_a_server_that_speaks_otherwise(kind, serve, run):
 
 
 @clients
-def test_the_bytes_of_a_client(kind, start, client_command, context):
+def test_the_bytes_of_a_client(kind, context, start_client):
     """Against a plain REP: two frames, an id that every retry repeats and no other request has, UTF-8 both ways."""
     with context.socket(zmq.REP) as rep:
         options = ["--count", "3", "--text", "füge ✓ hinzu", "--timeout", "20"]
-        client = start(*client_command(kind, KEY, bind(rep), *options))
+        client = start_client(kind, KEY, bind(rep), *options)
         seen = []
         for answer in ([b"W\xc3\xb6rld"], None, [b"one", b"two"], None):
             request_id, text = rep.recv_multipart()
@@ -256,11 +256,11 @@ TROUBLES = {
 
 
 @pytest.mark.parametrize("trouble", TROUBLES.values(), ids=TROUBLES)
-def test_a_journal_that_cannot_be_used_is_waited_for(trouble, pirate_server, journal, start, client_command, context):
+def test_a_journal_that_cannot_be_used_is_waited_for(trouble, pirate_server, journal, context, start_client):
     server, endpoint = pirate_server()
     assert ask(context, endpoint, b"first", b"add 1") == [b"first", b"1"]
     with trouble(journal, server.process.pid) as why:
-        client = start(*client_command("python", KEY, endpoint, "--count", "3", "--tries", "20"))
+        client = start_client("python", KEY, endpoint, "--count", "3", "--tries", "20")
         server.wait_for(f"^cannot use the journal {journal}: {why}; no replies until this is fixed$")
         # Said once, however often it is asked meanwhile.
         client.wait_for("try 3 of 20")
@@ -331,10 +331,10 @@ def test_a_journal_refuses_what_it_could_not_keep(journal, caplog, monkeypatch):
 
 
 @pytest.mark.parametrize("kind", ["python", "csharp"])
-def test_a_sum_stays_exact_while_the_server_is_killed(kind, pirate_server, journal, start, client_command, context):
+def test_a_sum_stays_exact_while_the_server_is_killed(kind, pirate_server, journal, start, context, start_client):
     endpoint = steady_endpoint()
     server, _ = pirate_server(endpoint=endpoint)
-    clients = [start(*client_command(kind, KEY, endpoint, "--count", "25", "--tries", "20")) for _ in range(3)]
+    clients = [start_client(kind, KEY, endpoint, "--count", "25", "--tries", "20") for _ in range(3)]
 
     def asking():
         return any(client.process.poll() is None for client in clients)

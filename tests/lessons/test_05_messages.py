@@ -270,7 +270,7 @@ def echo(frames):
 
 
 @each_client
-def test_all_clients_send_the_same_bytes_under_a_german_locale_as_well(kind, context, start, client_command):
+def test_all_clients_send_the_same_bytes_under_a_german_locale_as_well(kind, context, start_client):
     asked = []
 
     def answer(frames):
@@ -279,8 +279,8 @@ def test_all_clients_send_the_same_bytes_under_a_german_locale_as_well(kind, con
 
     with answering(context, answer) as endpoint:
         # As where output in a pipe is no UTF-8.
-        command = client_command(kind, KEY, endpoint, "--count", "1", "--timeout", "60.5")
-        client = start(*command, PYTHONIOENCODING="cp437", LANG="de_DE.UTF-8", LC_ALL="de_DE.UTF-8")
+        german = {"PYTHONIOENCODING": "cp437", "LANG": "de_DE.UTF-8", "LC_ALL": "de_DE.UTF-8"}
+        client = start_client(kind, KEY, endpoint, "--count", "1", "--timeout", "60.5", **german)
         assert client.wait() == 0, client.output
     ((header, pixels),) = asked
     array = b'[{"dtype":"uint8","shape":[240,320,3]}]'
@@ -336,11 +336,11 @@ def test_an_odd_reply_ends_in_one_line(kind, context, runs):
         assert not re.search(r"[\x00-\x1f\x7f]|Traceback|Unhandled", "".join(run.lines)), (name, run)
 
 
-def test_in_unity_a_server_that_was_restarted_is_found_again(serve, start, client_command):
+def test_in_unity_a_server_that_was_restarted_is_found_again(serve, start_client):
     """The author of the Python side starts it again all day, while Unity plays."""
     pytest.importorskip("numpy", **NUMPY)
     endpoint = steady_endpoint()
-    client = start(*client_command("unity", KEY, endpoint, "--count", "1000000", "--timeout", "3"))
+    client = start_client("unity", KEY, endpoint, "--count", "1000000", "--timeout", "3")
     for _ in range(2):
         # Unity is first: it has asked nobody yet, or somebody who is gone.
         client.wait_for(f"^trouble: no reply from {endpoint} within 3 s", start=len(client.lines))

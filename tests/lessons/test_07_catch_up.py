@@ -34,11 +34,11 @@ def publish(serve):
 
 
 @pytest.fixture
-def follow(start, client_command):
+def follow(start_client):
     """Starts a client against both endpoints."""
 
     def follow(kind, endpoint, snapshots, *options, **environment):
-        return start(*client_command(kind, KEY, endpoint, "--snapshots", snapshots, *options), **environment)
+        return start_client(kind, KEY, endpoint, "--snapshots", snapshots, *options, **environment)
 
     return follow
 

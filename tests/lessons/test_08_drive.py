@@ -209,10 +209,10 @@ def test_a_slow_driver_gets_the_newest_picture_and_its_actions_have_an_age(kind,
 
 
 @each_client
-def test_a_car_without_actions_brakes_and_drives_on_when_they_come_again(kind, driver, start, client_command):
+def test_a_car_without_actions_brakes_and_drives_on_when_they_come_again(kind, driver, start_client):
     # Longer than a client may be without a processor: it brakes for the time that it has seen pass.
     there = driver(after(0.0, 30, 4))
-    client = start(*client_command(kind, KEY, there.endpoint, "--count", "40", "--timeout", "20"))
+    client = start_client(kind, KEY, there.endpoint, "--count", "40", "--timeout", "20")
     client.wait_for("^trouble: no action for 0.5 s: braking$")
     begin = len(client.lines)
     assert client.wait() == 0, client.output
@@ -223,12 +223,12 @@ def test_a_car_without_actions_brakes_and_drives_on_when_they_come_again(kind, d
 
 
 @each_client
-def test_in_lockstep_the_world_waits_and_brakes_for_the_action_that_does_not_come(kind, driver, start, client_command):
+def test_in_lockstep_the_world_waits_and_brakes_for_the_action_that_does_not_come(kind, driver, start_client):
     """A server that is away for a time: each picture is the step after the last one."""
     # A busy machine takes a second for a new connection, and for a look at what has come.
     there = driver(after(0.02, 20, 6))
     words = ["--lockstep", "--count", "30", "--timeout", "3"]
-    client = start(*client_command(kind, KEY, there.endpoint, *words))
+    client = start_client(kind, KEY, there.endpoint, *words)
     assert client.wait() == 0, client.output
     client.wait_for("^trouble: no reply from")
     # The messages to the sleeping server come on connections that are closed by now, in any order.
@@ -244,7 +244,7 @@ def driven_by_a_person(**wanted):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="a terminal of the test's own: pty")
 @pytest.mark.parametrize("kind", TERMINAL)
-def test_a_person_takes_over_and_gives_back(kind, driver, start, client_command):
+def test_a_person_takes_over_and_gives_back(kind, driver, client_command):
     import pty
     import termios
 

@@ -420,11 +420,11 @@ def test_lerobots_reader_gets_the_pictures(start, connect, ask, plain):
 # Everything that can go wrong
 
 
-def test_a_kill_loses_at_most_the_last_picture(serve, start, client_command, tmp_path):
+def test_a_kill_loses_at_most_the_last_picture(serve, tmp_path, start_client):
     """Of either side, while it records."""
     endpoint, chance = steady_endpoint(), random.Random(8)
     words = ["--count", "100000", "--timeout", "0.3", "--tries", "1000"]
-    client = start(*client_command("python", KEY, endpoint, *words))
+    client = start_client("python", KEY, endpoint, *words)
     for number in (1, 2, 3):
         server, _ = serve(KEY, "--record", "runs", endpoint=endpoint)
         server.wait_for(f"^recording to .*run_000{number}")

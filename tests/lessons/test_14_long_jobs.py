@@ -107,15 +107,15 @@ def test_clients_in_a_terminal_and_in_unity(kind, serve, runs, peer):
 
 
 def test_a_server_that_crashes_goes_on_from_the_checkpoint_when_started_in_the_same_way(
-    jobs_server, start, client_command
+    jobs_server, start, start_client
 ):
     server, endpoint = jobs_server("--crash-on", "40")
     # Long enough that a slow disk does not hide where it is until it has ended.
     # And so often that a busy machine has time to start another one.
-    first = start(*client_command("python", KEY, endpoint, "--kind", "count", "--count", "250", "--tries", "60"))
+    first = start_client("python", KEY, endpoint, "--kind", "count", "--count", "250", "--tries", "60")
     job = first.wait_for("^asking .* for job (.*)")[1]
     first.wait_for("accepted")
-    watching = start(*client_command("csharp", KEY, endpoint, "--resume", job, "--tries", "60"))
+    watching = start_client("csharp", KEY, endpoint, "--resume", job, "--tries", "60")
     assert server.wait() == 1
     again, _ = jobs_server("--crash-on", "40")
     for client in (first, watching):

@@ -194,15 +194,13 @@ def test_without_an_authenticator_and_in_any_domain_everybody_does_and_each_mess
 
 
 @each_side
-def test_a_client_makes_its_keys_and_comes_in_as_soon_as_it_is_enrolled(
-    side, folder, tmp_path, serve, start, client_command
-):
+def test_a_client_makes_its_keys_and_comes_in_as_soon_as_it_is_enrolled(side, folder, tmp_path, serve, start_client):
     _, endpoint = serve(KEY, "--keys", str(folder))
     own = tmp_path / "own"
     own.mkdir()
     (own / "server.key").write_bytes((folder / "server.key").read_bytes())
     options = ["--keys", str(own), "--tries", "1000", "--count", "2", *PATIENT]
-    client = start(*client_command(side, KEY, endpoint, *options))
+    client = start_client(side, KEY, endpoint, *options)
     client.wait_for("^1: connected and thrown out; try 3 of 1000$")
     keys.enrol(folder, "bob", str(own / "client.key"))
     seen = len(client.lines)
@@ -358,7 +356,7 @@ def test_the_server_on_the_page_knows_its_clients(folder, tmp_path, start, conne
     assert ask(live) == "error: your key is not on the list"
 
 
-def test_a_key_enrolled_in_another_folder_of_the_same_name_can_be_noticed(tmp_path, start, caplog):
+def test_a_key_enrolled_in_another_folder_of_the_same_name_can_be_noticed(tmp_path, caplog):
     """The server has its folder in one place, and keys.py its own in another."""
     for place in "ab":
         (tmp_path / place).mkdir()

@@ -167,12 +167,12 @@ def test_the_lines_of_lesson_01_and_who_is_not_let_in(kind, door, runs):
     assert len(gateway.lines) == begin + 4
 
 
-def test_gateway_and_server_are_killed_and_the_clients_go_on(serve, start, client_command):
+def test_gateway_and_server_are_killed_and_the_clients_go_on(serve, start_client):
     behind = steady_endpoint()
     words = ["--hello", behind, *ABSENT[2:]]
     gateway, endpoint = serve(KEY, *words)
     clients = [
-        start(*client_command(kind, KEY, endpoint, "--count", "20", "--timeout", "600", *by(kind, socketio_too)))
+        start_client(kind, KEY, endpoint, "--count", "20", "--timeout", "600", *by(kind, socketio_too))
         for kind in ("python", "csharp")
         for socketio_too in (False, True)
     ]

@@ -55,14 +55,14 @@ def arrow(page, number):
 
 # Two endpoints and topics; one connection for all.
 @pytest.mark.parametrize(("key", "words"), [("06_many_in_flight", ""), ("07_catch_up", "--count 3")])
-def test_a_lesson_runs_through_it_unchanged(key, words, serve, tap, client_command, start, tmp_path):
+def test_a_lesson_runs_through_it_unchanged(key, words, serve, tap, tmp_path, start_client):
     server, endpoint = serve(key)
     others = {name: address for name, address in server.endpoints().items() if name != "endpoint"}
     program, endpoint, page = tap(*(f"{name}={address}" for name, address in others.items()), endpoint)
     for name in others:
         words += f" --{name} {program.endpoints()[name]}"
     # A second try would be for a message that the tap has lost, and for nothing else.
-    client = start(*client_command("csharp", key, endpoint, *words.split(), "--timeout", "20"), folder=tmp_path)
+    client = start_client("csharp", key, endpoint, *words.split(), "--timeout", "20", folder=tmp_path)
     assert client.wait() == 0, client.output
     assert client.lines[-1].startswith("done: ") and "try 2" not in client.output
     assert arrow(page, 1)["text"].startswith("opened: ")

@@ -80,11 +80,11 @@ def test_a_socket_of_the_fleet_that_nobody_closed_may_be_forgotten():
 
 
 @pytest.fixture
-def simulators(start, client_command):
+def simulators(start_client):
     """simulators(endpoint, "python", "csharp"): started side by side, and each is in the fleet."""
 
     def some(endpoint, *kinds, words=()):
-        programs = [start(*client_command(kind, KEY, endpoint, *words)) for kind in kinds]
+        programs = [start_client(kind, KEY, endpoint, *words) for kind in kinds]
         for program in programs:
             program.wait_for("^simulating CartPole")
         return programs
@@ -144,12 +144,12 @@ def test_a_simulator_without_work_is_sent_home_and_another_build_is_refused_by_n
 
 
 @each_client
-def test_a_client_does_as_it_is_told_and_says_hello_again_to_a_silent_hub(kind, context, start, client_command):
+def test_a_client_does_as_it_is_told_and_says_hello_again_to_a_silent_hub(kind, context, start_client):
     """A hub that was started anew is silent to whoever did not notice."""
     with context.socket(zmq.ROUTER) as hub:
         place = bind(hub)
         trouble = ["--crash-after", "2", "--delay", "0.3"] if kind != "unity" else []
-        client = start(*client_command(kind, KEY, place, "--build", "7", *trouble))
+        client = start_client(kind, KEY, place, "--build", "7", *trouble)
         peers = set()
         for silence in (0.5, 600.0):
             peer, *frames = hub.recv_multipart()

@@ -18,7 +18,7 @@ import zmq
 from netmq_example.body import camera, people
 from netmq_example.body import listener as body_listener
 from tests.conftest import CLIENTS, PYTHON
-from tests.lessons.conftest import bind
+from tests.lessons.conftest import where
 from tests.programs import ROOT
 
 KEY = "20_body_tracking"
@@ -29,14 +29,6 @@ each_client = pytest.mark.parametrize("kind", CLIENTS)
 # walker.py is beside the server.
 sys.path.append(str(LESSON))
 WALK = importlib.import_module("walker").persons()
-
-
-@pytest.fixture
-def listen(start, client_command):
-    def listen(kind, endpoint, *options, **environment):
-        return start(*client_command(kind, KEY, endpoint, *options), **environment)
-
-    return listen
 
 
 def message(number, body, person=0, seconds=1.5):
@@ -53,14 +45,14 @@ def knee(number, person):
 # Persons without a webcam
 
 
-def test_a_person_is_seen_to_move(serve, listen, connect):
+def test_a_person_is_seen_to_move(serve, start_client, connect):
     """Each printed angle is that of the walker's pose of this number, whichever client it is."""
     begin = time.monotonic()
     _, endpoint = serve(KEY, **GERMAN)
     clients = []
     for kind, person in ("python", 0), ("python", 1), ("csharp", 1), ("unity", 1):
         words = ["--person", str(person), "--count", "13", "--every", "4"]
-        clients.append((person, listen(kind, endpoint, *words, "--timeout", "60", **GERMAN)))
+        clients.append((person, start_client(kind, KEY, endpoint, *words, "--timeout", "60", **GERMAN)))
     for person, client in clients:
         assert client.wait() == 0, client.output
         first, *seen, last = client.lines
@@ -162,18 +154,11 @@ def test_a_recording_that_excel_has_saved_is_read(tmp_path):
 # A server that goes, and one that the test decides for
 
 
-@pytest.fixture
-def stage(context):
-    """An XPUB, which sees subscriptions come; and where it is."""
-    with context.socket(zmq.XPUB) as stream:
-        yield stream, bind(stream)
-
-
 @TERMINAL
-def test_the_newest_wins(kind, stage, listen):
+def test_the_newest_wins(kind, fake, start_client):
     """While the client works on 1 the others arrive; it takes the last of them, and counts the rest."""
-    stream, endpoint = stage
-    client = listen(kind, endpoint, "--count", "2", "--every", "1", "--work", "4", "--timeout", "60")
+    stream, endpoint = fake, where(fake)
+    client = start_client(kind, KEY, endpoint, "--count", "2", "--every", "1", "--work", "4", "--timeout", "60")
     assert stream.recv() == b"\x01pose/0/"
     body = WALK[0][1][0]
     stream.send_string(message(1, body))
@@ -186,9 +171,9 @@ def test_the_newest_wins(kind, stage, listen):
 
 
 @each_client
-def test_poses_that_are_late_come_twice_or_are_none(kind, stage, listen):
-    stream, endpoint = stage
-    client = listen(kind, endpoint, "--count", "6", "--every", "1", "--timeout", "60", "--person", "12")
+def test_poses_that_are_late_come_twice_or_are_none(kind, fake, start_client):
+    stream, endpoint = fake, where(fake)
+    client = start_client(kind, KEY, endpoint, "--count", "6", "--every", "1", "--timeout", "60", "--person", "12")
     assert stream.recv() == b"\x01pose/12/"
 
     def seen(number, body, line, seconds=100.0):
@@ -216,10 +201,10 @@ def test_poses_that_are_late_come_twice_or_are_none(kind, stage, listen):
 
 
 @TERMINAL
-def test_a_stream_without_a_pose_is_given_up(kind, stage, listen):
+def test_a_stream_without_a_pose_is_given_up(kind, fake, start_client):
     """However much of something else comes."""
-    stream, endpoint = stage
-    client = listen(kind, endpoint, "--timeout", "3")
+    stream, endpoint = fake, where(fake)
+    client = start_client(kind, KEY, endpoint, "--timeout", "3")
     assert stream.recv() == b"\x01pose/0/"
     while client.process.poll() is None:
         stream.send_string("pose/0/ something else")
@@ -409,10 +394,10 @@ def test_hands_have_topics_of_their_own(webcam, start, connect):
 
 
 @each_client
-def test_a_hand_is_heard(kind, stage, listen):
+def test_a_hand_is_heard(kind, fake, start_client):
     """An index finger that is bent by a right angle; then no hand; and what is no hand is passed over."""
-    stream, endpoint = stage
-    client = listen(kind, endpoint, "--hand", "left", "--count", "2", "--every", "1", "--timeout", "25")
+    stream, endpoint = fake, where(fake)
+    client = start_client(kind, KEY, endpoint, "--hand", "left", "--count", "2", "--every", "1", "--timeout", "25")
     assert stream.recv() == b"\x01hand/left/"
     marks = [(0.001 * i, 0.02, 0.01, 0.98) for i in range(21)]
     marks[5], marks[6], marks[7] = (0, 0.1, 0, 1), (0, 0, 0, 1), (0, 0, -0.1, 1)

@@ -37,14 +37,6 @@ def sentences(text):
     return [f"she: {one}" for one in re.sub(r"(?<=[.!?]) ", "\n", text).splitlines()]
 
 
-@pytest.fixture
-def talk(start, client_command):
-    def talk(kind, endpoint, *options):
-        return start(*client_command(kind, KEY, endpoint, *options))
-
-    return talk
-
-
 @each_client
 def test_what_is_said_is_heard_whole(kind, serve, runs):
     """Each sentence is a line, whatever pieces it came in; the same for every client."""
@@ -64,10 +56,10 @@ def test_what_is_said_is_heard_whole(kind, serve, runs):
         server.wait_for(rf"succeeded at {len(words.split())} of {len(words.split())}$")
 
 
-def test_who_walks_away_ends_it(serve, talk):
+def test_who_walks_away_ends_it(serve, start_client):
     # On a busy machine it takes seconds until the server hears of it, and then there must be words left.
     server, endpoint = serve(KEY, "--delay", "0.5", "--workers", "3")
-    clients = [talk(kind, endpoint, "--leave-after", "5", "--timeout", "60") for kind in CLIENTS]
+    clients = [start_client(kind, KEY, endpoint, "--leave-after", "5", "--timeout", "60") for kind in CLIENTS]
     whole = small_talk.reply(PROMPT, 0).split()
     for client in clients:
         assert client.wait() == 0, client.output
@@ -81,11 +73,11 @@ def test_who_walks_away_ends_it(serve, talk):
         begin = next(i for i, line in enumerate(server.lines) if i >= begin and "canceled at" in line) + 1
 
 
-def test_a_server_that_is_started_again_has_no_half_answer(serve, talk):
+def test_a_server_that_is_started_again_has_no_half_answer(serve, start_client):
     """It could not go on in the middle, and says so: what was said stays, and the rest is not waited for."""
     endpoint = steady_endpoint()
     server, _ = serve(KEY, "--delay", "0.3", "--workers", "3", endpoint=endpoint)
-    clients = [talk(kind, endpoint, "--timeout", "25") for kind in CLIENTS]
+    clients = [start_client(kind, KEY, endpoint, "--timeout", "25") for kind in CLIENTS]
     for client in clients:
         client.wait_for("^she: Mind the third plank!$")
     server.kill()

@@ -290,10 +290,10 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("name", FAULTS)
-def test_what_netmq_cannot_read_ends_a_csharp_client_in_one_line(name, start, client_command, tmp_path):
+def test_what_netmq_cannot_read_ends_a_csharp_client_in_one_line(name, tmp_path, start_client):
     key, *bad = FAULTS[name]
     with NetMQsFault(*bad) as server:
-        client = start(*client_command("csharp", key, server.endpoint, *secrets(key, tmp_path)))
+        client = start_client("csharp", key, server.endpoint, *secrets(key, tmp_path))
         assert client.wait() == 1
     # On a busy machine a try may have been in vain before.
     why = "gave up: NetMQ cannot read what the server sent: .*; is it one of this kit\\?"
@@ -337,12 +337,12 @@ def test_csharp_clients_say_why_they_end(key, run, serve, tmp_path):
 
 
 @pytest.mark.parametrize("key", LISTENERS)
-def test_a_component_that_listens_goes_on_after_an_outage(key, serve, start, client_command):
+def test_a_component_that_listens_goes_on_after_an_outage(key, serve, start_client):
     """Of any length, which is here a second: it is logged once."""
     heard = LISTENERS[key]
     server, endpoint = serve(key)
     words = ["--count", "100000", "--every", "1", "--timeout", "0.4"]
-    player = start(*client_command("unity", key, endpoint, *words))
+    player = start_client("unity", key, endpoint, *words)
     player.wait_for(heard)
     server.kill()
     player.wait_for("^trouble: ", start=len(player.lines))
@@ -391,9 +391,7 @@ def csharp_kinds(request):
 
 
 @each_lesson
-def test_a_server_serves_on_whatever_comes_and_leaves_its_ports(
-    key, csharp_kinds, serve, start, run, client_command, tmp_path
-):
+def test_a_server_serves_on_whatever_comes_and_leaves_its_ports(key, csharp_kinds, serve, run, tmp_path, start_client):
     own = [*secrets(key, tmp_path), *SHORTER.get((key, "server"), [])]
     for name, other in Lesson(key).behind:
         own += [name, serve(other.key)[1]]
@@ -429,7 +427,7 @@ def test_a_server_serves_on_whatever_comes_and_leaves_its_ports(
             assert HARM not in rude.recv_multipart()[-1:]
         # While the stranger is still there: when one that sends REP no empty frame leaves at once, libzmq up to 4.3.5
         # loses the next client's reply, and asking again is lesson 02.
-        client = start(*client_command("python", key, endpoint, *words))
+        client = start_client("python", key, endpoint, *words)
         assert client.wait() == 0, client.output
     # The contract says half a second; the rest is the interpreter's own end on a busy machine.
     assert server.stop(signal.SIGINT, limit=30) == 0, server.output

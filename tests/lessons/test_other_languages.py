@@ -123,7 +123,7 @@ def test_their_client_and_our_server(language, programs, start, serve):
 
 
 @each_language
-def test_our_client_and_their_server(language, serve_in, start, client_command, context):
+def test_our_client_and_their_server(language, serve_in, context, start_client):
     server, endpoint = serve_in(language)
     # C and C++ show no more than ASCII.
     shown = "Gr????e" if language in ("C", "C++") else "Grüße"
@@ -134,7 +134,7 @@ def test_our_client_and_their_server(language, serve_in, start, client_command, 
         assert reply.startswith(b"error: expected Hello, got '")
         assert reply.decode().isprintable()
         assert len(reply) < 200
-    client = start(*client_command("python", KEY, endpoint))
+    client = start_client("python", KEY, endpoint)
     assert client.wait() == 0, client.output
     assert client.lines == [f"asking {endpoint}", *TEN]
     # The signal ends it; a Java machine says so as a shell does, and Go in its own way.
