@@ -37,7 +37,7 @@ class Driver:
     """Answers each picture as it is told, and keeps what was sent."""
 
     def __init__(self, answer):
-        self.answer, self.frames = answer, []
+        self.answer, self.frames, self.endpoint = answer, [], ""
 
     def __call__(self, request):
         frame = Message.read(request)
