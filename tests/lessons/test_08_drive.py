@@ -56,16 +56,17 @@ class Driver:
                 return
 
 
+@contextlib.contextmanager
+def driving(context, answer):
+    driver = Driver(answer)
+    with answering(context, driver) as driver.endpoint:
+        yield driver
+
+
 @pytest.fixture
 def driver(context):
     with contextlib.ExitStack() as stack:
-
-        def start(answer):
-            one = Driver(answer)
-            one.endpoint = stack.enter_context(answering(context, one))
-            return one
-
-        yield start
+        yield lambda answer: stack.enter_context(driving(context, answer))
 
 
 def after(seconds, number=0, longer=0.0):
