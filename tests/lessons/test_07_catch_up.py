@@ -19,7 +19,6 @@ KEY = "07_catch_up"
 GERMAN = {"LANG": "de_DE.UTF-8", "LC_ALL": "de_DE.UTF-8"}
 TERMINAL = ["python", "csharp"]
 JOINED = r"^joined run (\w+) at (\d+), checksum (\d+)$"
-DONE = r"^done: received (\d+), missed (\d+); run (\w+) at (\d+), checksum (\d+)$"
 
 
 @pytest.fixture
