@@ -8,6 +8,17 @@ import time
 from http.server import ThreadingHTTPServer
 
 
+def greeting(mechanism=b"NULL"):
+    """The first 64 bytes of a peer that speaks ZMTP 3.0 (rfc.zeromq.org/spec/23)."""
+    return b"\xff" + bytes(8) + b"\x7f\x03\0" + mechanism.ljust(20, b"\0") + bytes(32)
+
+
+def ready(kind):
+    """The command by which a peer says what kind of socket it is."""
+    body = b"\x05READY\x0bSocket-Type" + len(kind).to_bytes(4, "big") + kind
+    return bytes([4, len(body)]) + body
+
+
 def zmtp_frame(body, more=False):
     return bytes([1 if more else 0, len(body)]) + body
 
@@ -17,16 +28,15 @@ PARTNERS = {"REP": "REQ", "ROUTER": "DEALER", "PUB": "SUB", "REQ": "REP", "DEALE
 
 
 def cuts_off_what_is_endless(peer):
-    """Whether a peer hangs up on who announces a frame of 1 GB, of which nothing comes. It speaks ZMTP 3.0 by hand."""
+    """Whether a peer hangs up on who announces a frame of 1 GB, of which nothing comes."""
     peer.settimeout(20)
     with peer.makefile("rb") as stream, contextlib.suppress(ConnectionError):
-        peer.sendall(b"\xff" + bytes(7) + b"\x01\x7f" + b"\x03\x00" + b"NULL".ljust(20, b"\0") + bytes(32))
+        peer.sendall(greeting())
         stream.read(64)
         metadata = stream.read(stream.read(2)[1])
         kind = metadata.partition(b"Socket-Type")[2]
         partner = PARTNERS[kind[4 : 4 + kind[3]].decode()].encode()
-        ready = b"\x05READY" + b"\x0bSocket-Type" + len(partner).to_bytes(4, "big") + partner
-        peer.sendall(bytes([4, len(ready)]) + ready)
+        peer.sendall(ready(partner))
         peer.sendall(b"\x02" + (2**30).to_bytes(8, "big"))
         try:
             while stream.read1():
@@ -72,11 +82,7 @@ class SlowLine(Listener):
     """A far server: hands everything on to a near one and back, as late as a line with this round trip does."""
 
     def __init__(self, endpoint, round_trip):
-        self.port, self.round_trip, self.dead = int(endpoint.rpartition(":")[2]), round_trip, []
-
-    def break_silently(self):
-        """What is connected now gets nothing any more, and is not told; who connects from now on is served."""
-        self.dead = [*self.open]
+        self.port, self.round_trip = int(endpoint.rpartition(":")[2]), round_trip
 
     def cut(self):
         """What is connected now is told that the other side is gone; who connects from now on is served."""
@@ -109,9 +115,8 @@ class SlowLine(Listener):
         while data:
             due, data = on_the_way.get()
             time.sleep(max(0.0, due - time.monotonic()))
-            if target not in self.dead:
-                with contextlib.suppress(OSError):
-                    target.sendall(data) if data else target.shutdown(socket.SHUT_WR)
+            with contextlib.suppress(OSError):
+                target.sendall(data) if data else target.shutdown(socket.SHUT_WR)
 
 
 class ProtocolBreaker(Listener):
@@ -122,9 +127,7 @@ class ProtocolBreaker(Listener):
 
     def serve(self, peer):
         with peer.makefile("rb") as stream:
-            peer.sendall(b"\xff" + bytes(7) + b"\x01\x7f" + b"\x03\x00" + b"NULL".ljust(20, b"\0") + b"\0" + bytes(31))
-            ready = b"\x05READY" + b"\x0bSocket-Type" + (3).to_bytes(4, "big") + b"REP"
-            peer.sendall(bytes([4, len(ready)]) + ready)
+            peer.sendall(greeting() + ready(b"REP"))
             stream.read(64)
             frames, more = [], True
             while more:
@@ -162,11 +165,10 @@ class NetMQsFault(Listener):
     """Greets with these bytes, which end NetMQ's own thread."""
 
     def __init__(self, mechanism, said):
-        self.greeting = b"\xff" + bytes(8) + b"\x7f\x03\0" + mechanism.ljust(20, b"\0") + bytes(32)
-        self.said = said
+        self.mechanism, self.said = mechanism, said
 
     def serve(self, peer):
-        peer.sendall(self.greeting)
+        peer.sendall(greeting(self.mechanism))
         peer.recv(64, socket.MSG_WAITALL)
         peer.sendall(self.said)
         while peer.recv(4096):

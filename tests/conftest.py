@@ -167,6 +167,25 @@ def serve(start: Callable[..., Program], tmp_path: Path) -> Callable[..., tuple[
 
 
 @pytest.fixture
+def serve_own(start: Callable[..., Program], tmp_path: Path) -> Callable[..., tuple[Program, str]]:
+    """serve_own("04_background_client", "def answer(text): …"): a lesson's server with this at the end of its file, or
+    of another file of the lesson.
+    """
+
+    def serve_own(key: str, own: str, *options: str | Path, file: str = "server.py") -> tuple[Program, str]:
+        for name in ("server.py", file):
+            before, main, after = (ROOT / "python" / key / name).read_text(encoding="utf-8").partition("if __name__")
+            text = f"{before}\n\n{own if name == file else ''}\n\n{main}{after}"
+            (tmp_path / name).write_text(text, encoding="utf-8")
+        words = [tmp_path / "server.py", "--endpoint", "tcp://127.0.0.1:0", *options]
+        path = os.pathsep.join([str(ROOT / "python" / key), str(ROOT / "python")])
+        server = start(PYTHON, *words, folder=tmp_path, PYTHONPATH=path)
+        return server, server.wait_for(r"^listening on (\S+)")[1]
+
+    return serve_own
+
+
+@pytest.fixture
 def client_command(request: pytest.FixtureRequest) -> Callable[..., list[str]]:
     """client_command("csharp", "01_request_reply", endpoint, "--count", "3"): the words that start this client."""
 

@@ -19,36 +19,16 @@ from tests.programs import PATIENT, ROOT, finished, steady_endpoint
 
 KEY = "01_request_reply"
 SERVER = ROOT / "python" / KEY / "server.py"
-TEN = [*(f"{i}: sent Hello, received World" for i in range(1, 11)), "done: 10 replies"]
 
 
-@pytest.mark.parametrize("kind", CLIENTS)
-def test_ten_exchanges(kind, serve, start, client_command):
-    server, endpoint = serve(KEY)
-    client = start(*client_command(kind, KEY, endpoint, *PATIENT))
-    assert client.wait() == 0, client.output
-    assert client.lines == [f"asking {endpoint}", *TEN]
-    # The server prints after it has sent: its tenth line may come later than the client's end.
-    for i in range(10):
-        server.wait_for("^sent b'World'$", start=1 + i)
-    assert server.stop() == 0
-    assert server.lines == [f"listening on {endpoint}", *["sent b'World'"] * 10]
-
-
-@pytest.mark.parametrize(
-    ("kind", "refusal"),
-    [
-        ("python", "refused: ZMQError: Operation cannot be accomplished in current state"),
-        ("csharp", "refused: FiniteStateMachineException: Req.XSend - cannot send another request"),
-    ],
-)
-def test_a_second_request_before_the_reply_is_refused(kind, refusal, serve, run):
+def test_a_second_request_before_the_reply_is_refused(serve, run):
+    """A transcript of the page has what the C# client says."""
     _, endpoint = serve(KEY)
-    client = run(kind, KEY, "--endpoint", endpoint, "--count", "1", "--send-twice", *PATIENT)
+    client = run("python", KEY, "--endpoint", endpoint, "--count", "1", "--send-twice", *PATIENT)
     assert client.code == 0, client
     assert client.lines == [
         f"asking {endpoint}",
-        refusal,
+        "refused: ZMQError: Operation cannot be accomplished in current state",
         "received World: now REQ may send again",
         "1: sent Hello, received World",
         "done: 1 replies",
@@ -91,32 +71,18 @@ def test_a_silent_name_server_is_not_waited_for_long(start, client_command):
     assert "gave up: no address for host 'no-such-host.example' within 5 s" in client.output
 
 
-GARBAGE = {
-    "an empty frame": [b""],
-    "sixty thousand bytes": [b"x" * 60_000],
-    "invalid UTF-8": [b"\xff\xfe\x80"],
-    "two frames": [b"Hello", b"Hello"],
-    "an empty frame and more": [b"", b"", b""],
-    "another text": [b"hello"],
-}
-
-
 def test_a_bad_request_gets_an_error_and_the_next_one_an_answer(serve, context):
+    """The client knows it: a flood of bad requests is no flood of lines."""
     server, endpoint = serve(KEY)
-    for name, frames in GARBAGE.items():
-        (reply,) = ask(context, endpoint, *frames)
-        assert reply.startswith(b"error: expected "), name
-        # The second and the third as the clients of older tutorials send it.
-        for hello in b"Hello", b"Hello\0", b"Hello ":
-            assert ask(context, endpoint, hello) == [b"World"], name
-    # The client knows it: a flood of bad requests is no flood of lines.
     for _ in range(20):
         assert ask(context, endpoint, b"\x1b[2J") == [rb"error: expected Hello, got '\x1b[2J'"]
-    assert ask(context, endpoint, b"Hello") == [b"World"]
-    right = len(GARBAGE) * 3 + 1
-    server.wait_for("^sent ", start=right)
+    assert ask(context, endpoint, b"Hello", b"Hello")[0].startswith(b"error: expected ")
+    # The second and the third as the clients of older tutorials send it.
+    for hello in b"Hello", b"Hello\0", b"Hello ":
+        assert ask(context, endpoint, hello) == [b"World"]
+    server.wait_for("^sent ", start=3)
     assert server.stop() == 0
-    assert server.lines == [f"listening on {endpoint}", *["sent b'World'"] * right]
+    assert server.lines == [f"listening on {endpoint}", *["sent b'World'"] * 3]
 
 
 def test_a_text_that_the_server_would_not_take_is_named(run, serve):

@@ -9,34 +9,20 @@ import time
 import pytest
 import zmq
 
-from netmq_example.topic_listener import TopicListener
-from tests.bad_peers import SlowLine
 from tests.conftest import CLIENTS
-from tests.lessons.conftest import bind, on_the_circle
+from tests.lessons.conftest import on_the_circle, where
 from tests.programs import LIMIT, MovingName
 
 KEY = "03_publish_subscribe"
 GERMAN = {"LANG": "de_DE.UTF-8", "LC_ALL": "de_DE.UTF-8"}
 TERMINAL = ["python", "csharp"]
-# The newest comes in the same way as each message.
-MODES = pytest.mark.parametrize(
-    ("kind", "mode"), [("python", ["--newest"]), ("csharp", ["--topic", "pose/"])], ids=TERMINAL
-)
-
-
-@pytest.fixture
-def listen(start, client_command):
-    def listen(kind, endpoint, *options, **environment):
-        return start(*client_command(kind, KEY, endpoint, *options), **environment)
-
-    return listen
 
 
 @pytest.mark.parametrize("kind", CLIENTS)
-def test_listening_from_some_message_on_with_german_numbers(kind, serve, listen):
+def test_listening_from_some_message_on_with_german_numbers(kind, serve, start_client):
     """The slow joiner: what was sent before the publisher knew of the listener is lost, and after that nothing is."""
     _, endpoint = serve(KEY, "--interval", "0.005", **GERMAN)
-    client = listen(kind, endpoint, "--count", "121", **GERMAN)
+    client = start_client(kind, KEY, endpoint, "--count", "121", **GERMAN)
     assert client.wait() == 0, client.output
     assert client.lines[0] == f"listening to 'pose/' from {endpoint}"
     assert client.lines[-1] == "done: received 121"
@@ -63,30 +49,13 @@ def test_a_topic_is_a_prefix_and_a_delimiter_cures_it(kind, serve, run):
 # With a publisher of the test's own, which decides on every message
 
 
-@pytest.fixture
-def fake(context):
-    """An XPUB, which sees subscriptions come."""
-    with context.socket(zmq.XPUB) as stream:
-        bind(stream)
-        yield stream
-
-
-def where(stream):
-    return stream.last_endpoint.decode()
-
-
-def subscribed(stream):
-    assert stream.poll(100_000), "nobody subscribed"
-    return stream.recv()
-
-
 @pytest.mark.parametrize(
     ("kind", "how"), [("python", "--newest"), ("python", "--conflate"), ("csharp", "--newest")], ids=lambda word: word
 )
-def test_newest_only(kind, how, fake, listen):
+def test_newest_only(kind, how, fake, start_client):
     """While the listener works on 1, the others arrive; it then takes the last of them."""
-    client = listen(kind, where(fake), "--count", "2", "--every", "1", "--work", "5", how)
-    assert subscribed(fake) == b"\x01pose/"
+    client = start_client(kind, KEY, where(fake), "--count", "2", "--every", "1", "--work", "5", how)
+    assert fake.recv() == b"\x01pose/"
     fake.send(b"pose/ 1")
     client.wait_for("^received pose/ 1$")
     for number in range(2, 501):
@@ -95,28 +64,11 @@ def test_newest_only(kind, how, fake, listen):
     assert client.lines[1:] == ["received pose/ 1", "received pose/ 500", "done: received 2"]
 
 
-@MODES
-def test_a_line_that_breaks_silently_is_left_for_another(kind, mode, fake, listen):
-    """As when a laptop has slept: the connection is still there, and nothing comes over it."""
-    with SlowLine(where(fake), 0) as line:
-        client = listen(kind, line.endpoint, "--count", "2", "--every", "1", "--timeout", str(LIMIT), *mode)
-        subscribed(fake)
-        fake.send(b"pose/ 1")
-        client.wait_for("^received pose/ 1$")
-        line.break_silently()
-        deadline = time.monotonic() + LIMIT
-        while client.process.poll() is None and time.monotonic() < deadline:
-            fake.send(b"pose/ 2")
-            time.sleep(0.05)
-    assert client.wait() == 0, client.output
-    assert client.lines[1:] == ["received pose/ 1", "received pose/ 2", "done: received 2"]
-
-
 def test_a_publisher_that_is_only_slow_keeps_its_listener(fake, start, client_command, tmp_path):
     name = MovingName(tmp_path, "127.0.0.1")
     endpoint = where(fake).replace("127.0.0.1", "robot")
     client = start(*name.before, *client_command("csharp", KEY, endpoint, "--count", "2", "--timeout", str(LIMIT)))
-    subscribed(fake)
+    fake.recv()
     fake.send(b"pose/ 1")
     client.wait_for("^received pose/ 1$")
     # It looks the name up after 2 s, and then once more.
@@ -127,9 +79,10 @@ def test_a_publisher_that_is_only_slow_keeps_its_listener(fake, start, client_co
 
 @pytest.mark.parametrize("mode", [[], ["--newest"]], ids=["each", "newest"])
 @pytest.mark.parametrize("kind", TERMINAL)
-def test_a_listener_prints_all_frames_in_one_line_and_takes_nothing_endless(kind, mode, fake, listen):
-    client = listen(kind, where(fake), "--topic", "", "--count", "2", "--every", "1", "--timeout", "25", *mode)
-    subscribed(fake)
+def test_a_listener_prints_all_frames_in_one_line_and_takes_nothing_endless(kind, mode, fake, start_client):
+    words = ["--topic", "", "--count", "2", "--every", "1", "--timeout", "25", *mode]
+    client = start_client(kind, KEY, where(fake), *words)
+    fake.recv()
     fake.send(b"x" * 100_000)
     # ZeroMQ closes the connection for it. The listener makes another.
     deadline = time.monotonic() + LIMIT
@@ -142,19 +95,9 @@ def test_a_listener_prints_all_frames_in_one_line_and_takes_nothing_endless(kind
     assert client.lines[1:] == [line, line, "done: received 2"]
 
 
-def test_the_frames_of_a_message_apart(fake):
-    with TopicListener(where(fake), "cam/") as listener:
-        subscribed(fake)
-        message = [b"cam/left", b"\xff\xd8\xff", b""]
-        for _ in range(2):
-            fake.send_multipart(message)
-        assert listener.receive_frames(LIMIT) == message
-        assert listener.receive(LIMIT) == "cam/left (3 bytes) "
-
-
-def test_in_unity_what_is_no_pose_moves_nothing(fake, listen):
-    client = listen("unity", where(fake), "--count", "8", "--every", "1")
-    subscribed(fake)
+def test_in_unity_what_is_no_pose_moves_nothing(fake, start_client):
+    client = start_client("unity", KEY, where(fake), "--count", "8", "--every", "1")
+    fake.recv()
     numbers = ["1", "2", "3", "0", "0", "0", "1"]
     for number, odd in enumerate(("nan", "1e99", "1,5", "x", "", "1 1", "1"), start=1):
         message = " ".join(["pose/", str(number), odd, *numbers[1:]])

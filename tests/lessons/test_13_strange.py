@@ -244,7 +244,6 @@ WRONG: dict[str, list[Any]] = {
     "action": [lambda value: EnvironmentParameters().register_callback("a", value), None, 0],
     "value ": [lambda value: StatsRecorder().add("a", value), None, ""],
     "StatsAggregationMethod": [lambda value: StatsRecorder().add("a", 1, value), None, "", -1, 4],
-    "show": [Trouble, None, 0, ""],
     "socket": [lambda value: one_peer.Carrier(value, SideChannelManager, print), None, 0, ""],
     "manager": [one_peer.Peer, None, 0, ""],
     "endpoint": [lambda value: one_peer.ClientCarrier(CONTEXT, value), None, 0, "", "tcp://x:99999"],

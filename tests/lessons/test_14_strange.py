@@ -31,8 +31,9 @@ from netmq_example.jobs.journal import Journal
 from netmq_example.jobs.workers import Workers
 from netmq_example.messages import Array, Message
 from netmq_example.work import Kind, Step
-from tests.conftest import PYTHON
-from tests.lessons.long_jobs.peers import KEY, Message, copied, jobs_server, peer, read, units
+from tests.conftest import CLIENTS, PYTHON
+from tests.lessons.conftest import bind
+from tests.lessons.long_jobs.peers import KEY, Message, jobs_server, peer, read, units
 from tests.programs import LIMIT, ROOT
 
 sys.path.append(str(ROOT / "python" / KEY))
@@ -52,8 +53,6 @@ def own(total, finished, text):
     wrong = {
         "long": lambda: Step(2, total, "x" * 70_000),
         "half": lambda: Step(2, total, "name \\udcff"),
-        "part": lambda: Step(1.5, total),
-        "huge": lambda: Step(2**53, total),
         "none": lambda: None,
         "boom": lambda: mistake("my own\\nmistake"),
     }
@@ -66,20 +65,6 @@ KINDS["own"] = Kind(own, 10)
 """
 
 
-@pytest.fixture
-def own_server(start, tmp_path):
-    """own_server(more): lesson 14's, at home, with so much more in its work.py."""
-
-    def own_server(more):
-        lesson = copied(tmp_path)
-        with (lesson / "work.py").open("a", encoding="utf-8") as work:
-            work.write(more)
-        words = ["--endpoint", "tcp://127.0.0.1:*", "--workers", "1"]
-        return start(PYTHON, lesson / "server.py", *words, folder=tmp_path)
-
-    return own_server
-
-
 def test_the_client_on_the_page_watches_its_job(jobs_server, start):
     (program,) = [block.body for block in PAGE if "watches_its_job" in block.source]
     program = program.replace("tcp://127.0.0.1:5564", jobs_server()[1])
@@ -89,36 +74,33 @@ def test_the_client_on_the_page_watches_its_job(jobs_server, start):
     assert client.lines[-1].startswith("result {") and "'done': 100, 'total': 100" in client.lines[-1], client.lines
 
 
-@each_side
-def test_every_client_has_a_kind_of_your_own_done_with_its_text(side, own_server, runs):
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_every_client_has_a_kind_of_your_own_done_with_its_text(kind, serve_own, runs):
     """The one of the page, which it says to put at the end of work.py."""
-    server = own_server("\n\n" + next(block.body for block in PAGE if "has it done by every client" in block.source))
-    always = ("--endpoint", server.wait_for(r"^listening on (\S+)")[1], "--count", "3", "--timeout", "20", "--kind")
-    kinds = [[], ["--unity"]] if side == "csharp" else [[]]
-    own = (["primes", "--text", "1000000"], ["primes", "--text", "zwölf"], ["proofs"])
-    found = runs(side, KEY, [[*kind, *always, *one] for kind in kinds for one in own])
-    for good, wrong, unknown in (found[i : i + 3] for i in range(0, len(found), 3)):
-        assert (good.code, wrong.code, unknown.code) == (0, 1, 1), (good, wrong, unknown)
-        assert good.lines[-2].endswith("succeeded at 3 of 3, 1000037")
-        assert wrong.lines[-2].endswith("the text says where to begin, such as 1000000, and not 'zwölf'")
-        assert wrong.lines[-1] == "gave up: the job was aborted; see above"
-        assert unknown.lines[-1].startswith("gave up: bad-goal: 'proofs' with count 3 is none of: count up to 10000")
+    own = next(block.body for block in PAGE if "has it done by every client" in block.source)
+    always = ("--endpoint", serve_own(KEY, own, file="work.py")[1], "--count", "3", "--timeout", "20", "--kind")
+    texts = (["primes", "--text", "1000000"], ["primes", "--text", "zwölf"], ["proofs"])
+    good, wrong, unknown = runs(kind, KEY, [[*always, *each] for each in texts])
+    assert (good.code, wrong.code, unknown.code) == (0, 1, 1), (good, wrong, unknown)
+    assert good.lines[-2].endswith("succeeded at 3 of 3, 1000037")
+    assert wrong.lines[-2].endswith("the text says where to begin, such as 1000000, and not 'zwölf'")
+    assert wrong.lines[-1] == "gave up: the job was aborted; see above"
+    assert unknown.lines[-1].startswith("gave up: bad-goal: 'proofs' with count 3 is none of: count up to 10000")
 
 
-def test_a_kind_that_no_process_can_be_handed_is_one_line_at_the_start(own_server):
-    server = own_server('KINDS["small"] = Kind(lambda total, finished, text: iter([Step(1, 1)]), 10)\n')
+def test_a_kind_that_no_process_can_be_handed_is_one_line_at_the_start(start, tmp_path):
+    code = "import server, work; work.KINDS['small'] = work.Kind(lambda *_: iter([]), 10); server.run(server.main)"
+    server = start(PYTHON, "-c", code, folder=tmp_path, PYTHONPATH=str(ROOT / "python" / KEY))
     assert server.wait() == 1
-    assert server.lines[-1] == (
+    assert server.lines[1:] == [
         "kind 'small' cannot be handed to a worker: make it a function of a module, or functools.partial of one"
-    )
-    assert "Traceback" not in server.output
+    ]
 
 
-def test_a_step_that_cannot_be_told_aborts_its_job_and_no_other(own_server, peer):
-    server = own_server(OWN)
-    endpoint = server.wait_for(r"^listening on (\S+)")[1]
+def test_a_step_that_cannot_be_told_aborts_its_job_and_no_other(serve_own, peer):
+    server, endpoint = serve_own(KEY, OWN, "--workers", "1", file="work.py")
     said = {}
-    for text in ("long", "half", "part", "huge", "none", "boom"):
+    for text in ("long", "half", "none", "boom"):
         job = peer(endpoint)
         result = job.ask("goal", kind="own", count=3, text=text).result("aborted").values
         assert result["done"] == 1, "as far as could be told"
@@ -130,8 +112,6 @@ def test_a_step_that_cannot_be_told_aborts_its_job_and_no_other(own_server, peer
     # A mistake is shown where it is written.
     assert said["boom"] == r"ValueError('my own\nmistake')"
     server.wait_for(r'work\.py", line \d+, in mistake')
-    assert "done takes an int, not 1.5" in said["part"]
-    assert "done takes a whole number from 0 to 9007199254740991" in said["huge"]
     assert units(peer(endpoint).goal(count=3).result("succeeded")) == 3, "the only worker works on"
 
 
@@ -213,7 +193,6 @@ def test_a_clock_that_is_set_forgets_no_job_and_a_day_that_passes_does(tmp_path,
 
 def test_a_server_says_in_one_line_what_it_cannot_use(runs, tmp_path):
     mine = str(tmp_path / "mine.sqlite3")
-    wrong = [("--grace", "nan"), ("--grace", "inf"), ("--crash-on", "-3"), ("--workers", "1000000000")]
     others = {"notes (text)": tmp_path / "other", "jobs (id, salary)": tmp_path / "same_name"}
     for table, path in others.items():
         with closing(sqlite3.connect(path)) as other, other:
@@ -223,14 +202,10 @@ def test_a_server_says_in_one_line_what_it_cannot_use(runs, tmp_path):
     with closing(Journal(mine).db):
         always = ("--endpoint", "tcp://127.0.0.1:0", "--journal")
         journals = [(*always, str(path)) for path in (*others.values(), mine)]
-        found = runs("server", KEY, [*((*always, str(tmp_path / "new"), *pair) for pair in wrong), *journals])
+        found = runs("server", KEY, journals)
     assert {run.code for run in found} == {2}
-    for (name, value), run in zip(wrong, found, strict=False):
-        what = name.removeprefix("--")
-        assert f"error: argument {name}: it takes " in run.lines[-1] or f"error: {what} takes " in run.lines[-1]
-        assert f", not {value}" in run.lines[-1].replace("'", "")
     causes = ["it is another program's"] * 2 + ["database is locked"]
-    for path, cause, run in zip([*others.values(), mine], causes, found[len(wrong) :], strict=True):
+    for path, cause, run in zip([*others.values(), mine], causes, found, strict=True):
         assert run.lines[-1].endswith(f"cannot use the journal {path}: {cause}; try --journal another.sqlite3")
     assert before == [path.read_bytes() for path in others.values()]
 
@@ -316,8 +291,7 @@ def wrong_server(context, replies):
 
     ended, thread = threading.Event(), threading.Thread(target=run)
     with context.socket(zmq.ROUTER) as socket:
-        socket.linger = 0
-        endpoint = f"tcp://127.0.0.1:{socket.bind_to_random_port('tcp://127.0.0.1')}"
+        endpoint = bind(socket)
         thread.start()
         yield endpoint
         ended.set()
@@ -336,7 +310,6 @@ STATE = {"done": 1, "total": 2, "text": ""}
 END = said("result", seq=3, status="succeeded", **STATE)
 STRANGE = [
     (said("result", seq=1, **STATE), "gave up: missing-field: there is no 'status'"),
-    (said("result", seq=1, status=5, **STATE), "gave up: wrong-type: 'status' must be str"),
     (
         said("result", seq=1, status="exploded", **STATE),
         "gave up: bad-status: status 'exploded' is none of succeeded, canceled, aborted",
@@ -347,7 +320,6 @@ STRANGE = [
     ),
     (said("feedback", **STATE), "gave up: missing-field: there is no 'seq'"),
     (said("feedback", seq=-1, **STATE), "gave up: bad-value: 'seq' must be 0 or more"),
-    (said("rejected", code=5, text=True), "gave up: wrong-type: 'code' must be str"),
     (said("forgotten"), "gave up: forgotten: its result was deleted; begin a job with a new id"),
     # The server has another journal, and has begun anew.
     (both(said("feedback", seq=9, **STATE), END), "done: succeeded, 0 bytes, sum 0"),
@@ -398,63 +370,6 @@ def test_what_a_strange_server_says_of_a_job_is_one_line(side, context, runs):
         assert len(run.lines) < 6
     # Numbers have the same limits in every client.
     assert [run.code for run in found[-3:]] == [2, 2, 2]
-
-
-# The classes' own refusals
-
-
-def nothing(total, finished, text):
-    yield from ()
-
-
-@pytest.fixture
-def made(context, tmp_path):
-    """One of each, by its name."""
-    journal = Journal(tmp_path / "journal.sqlite3")
-    kinds = {"nothing": Kind(nothing, most=1)}
-    where = "tcp://127.0.0.1:1"
-    with closing(Jobs(journal, kinds).workers), JobClient(where, context=context) as client:
-        yield {"where": where, "journal": journal, "kinds": kinds, "client": client}
-
-
-def test_what_a_method_cannot_use_is_named(made):
-    kinds, journal, client, where = (made[name] for name in ("kinds", "journal", "client", "where"))
-    table: list[Any] = [
-        ("work", lambda value: Kind(value, 1), None, "count"),
-        ("most", lambda value: Kind(nothing, value), 0, 0.5),
-        ("has_checkpoint", lambda value: Kind(nothing, 1, value), 0),
-        ("done", lambda value: Step(value, 1), -1, 2**53),
-        ("total", lambda value: Step(1, value), -1),
-        ("text", lambda value: Step(1, 1, value), 0),
-        ("checkpoint", lambda value: Step(1, 1, "", value), b"1"),
-        ("context", lambda value: JobClient(where, context=value), ""),
-        ("endpoint", JobClient, "tcp://127.0.0.1:99999"),
-        ("job", lambda value: JobClient(where, job=value), 0, "", "../x", "x" * 65),
-        ("timeout", lambda value: JobClient(where, timeout=value), 0),
-        ("tries", lambda value: JobClient(where, tries=value), 0),
-        ("kind", lambda value: client.goal(value, 1), 0),
-        ("count", lambda value: client.goal("count", value), 0),
-        ("text", lambda value: client.goal("count", 1, value), 0),
-        ("verb", client.ask, 0, ""),
-        ("request", lambda value: next(client.watch(value)), None, "goal"),
-        ("path", Journal, None, 0),
-        ("journal", Journal, "", ":memory:", "no/such/folder", "a\0b"),
-        ("journal", lambda value: Jobs(value, kinds), "journal.sqlite3"),
-        ("kinds", lambda value: Jobs(journal, value), None, {"count": nothing}),
-        ("workers", lambda value: Jobs(journal, kinds, value), 0, 101),
-        ("workers", lambda value: Workers(value, kinds), 0, 101),
-        ("queue", lambda value: Jobs(journal, kinds, 1, value), 0),
-        ("grace", lambda value: Jobs(journal, kinds, 1, 1, value), -1),
-        ("line", progress.Progress().show, 0),
-        ("share", lambda value: progress.Progress().show("line", value), -1, "", 2),
-        ("news", progress.words, "news"),
-        ("news", progress.share, "news"),
-    ]
-    for name, call, *values in table:
-        for value in values:
-            with pytest.raises((Error, ValueError, TypeError), match=rf"\b{name}\b") as caught:
-                call(value)
-            assert "\n" not in str(caught.value)
 
 
 def test_the_share_of_a_job_is_between_0_and_1():

@@ -21,12 +21,13 @@ from netmq_example.security import keys
 from netmq_example.security.allow_list import AllowList
 from netmq_example.security.requester import ClientKeys, SecureRequester
 from tests.bad_peers import SlowLine
-from tests.conftest import PYTHON
-from tests.lessons.conftest import answering
+from tests.conftest import CLIENTS, PYTHON
+from tests.lessons.conftest import answering, bind
 from tests.programs import LIMIT, ROOT, Run, finished, python_runs, steady_endpoint
 
 KEY = "15_security"
 FOLDER = ROOT / "python" / KEY
+each_client = pytest.mark.parametrize("kind", CLIENTS)
 each_side = pytest.mark.parametrize("side", ["python", "csharp"])
 NOBODY = "a" * 40
 # C# compiles its cryptography, and a busy machine takes its time.
@@ -36,17 +37,9 @@ TAKEN = "is there, and is never overwritten; rotate makes a new pair, revoke fre
 REVOKED = "error: your key is not on the list, or not any more"
 
 
-def words(kind, *options):
-    """The options as this client spells them: in Unity each is a field, and has a value."""
-    found = [{"--server-key": "--serverKey"}.get(each, each) for each in options] if kind else [*options]
-    return [*kind, *(word for each in found for word in ([each, "true"] if kind and each in SWITCHES else [each]))]
-
-
-SWITCHES = ("--stranger", "--plain")
-
-
-def kinds(side):
-    return [[], ["--unity"]] if side == "csharp" else [[]]
+def switch(kind, name):
+    """An option without a value, which in Unity is a field, and has one."""
+    return [name, *(["true"] if kind == "unity" else [])]
 
 
 @pytest.fixture
@@ -69,7 +62,6 @@ def connect(context, folder):
 
         def connect(endpoint, pair=None, kind=zmq.REQ, name=b""):
             asker = stack.enter_context(context.socket(kind))
-            asker.linger = 0
             asker.curve_publickey, asker.curve_secretkey = pair or keys.load(folder / "client.key_secret")
             asker.curve_serverkey = keys.load(folder / "server.key")[0]
             if name:
@@ -82,7 +74,6 @@ def connect(context, folder):
 
 def ask(asker):
     asker.send(b"Hello")
-    assert asker.poll(LIMIT * 1000), "no reply"
     return asker.recv().decode()
 
 
@@ -108,70 +99,71 @@ def ran(*each, folder):
 # Who comes in
 
 
-@each_side
-def test_who_is_on_the_list_comes_in_and_nobody_else(side, folder, alice, tmp_path, serve, runs):
+@each_client
+def test_who_is_on_the_list_comes_in_and_nobody_else(kind, folder, alice, tmp_path, serve, runs):
     server, endpoint = serve(KEY, "--keys", str(folder))
-    always = ("--endpoint", endpoint, "--keys", str(folder), "--count", "2")
+    server_key = "--serverKey" if kind == "unity" else "--server-key"
     # A refusal is told by the connection, at once. The others may have time.
-    cases = {"": [], "stranger": ["--stranger"], "wrong": ["--server-key", NOBODY], "plain": ["--plain"]}
-    bad = tmp_path / "bad"
-    for name in ("no secret", "public alone"):
-        keys.make(bad / name, "client")
-        (bad / name / "client.key_secret").unlink()
-    shutil.copy(bad / "no secret" / "client.key", bad / "no secret" / "client.key_secret")
-    (bad / "file").write_text("")
-    before = {path: path.read_bytes() for path in bad.rglob("*") if path.is_file()}
-    each = [words(kind, *always, *PATIENT, *options) for kind in kinds(side) for options in cases.values()]
-    for kind in kinds(side):
-        nowhere = [*kind, "--endpoint", "tcp://127.0.0.1:1", "--timeout", "0.3", "--tries", "1", "--keys"]
-        # A key may begin with two dashes, and is no option after the equals sign.
-        server_key = f"{'--serverKey' if kind else '--server-key'}=--{zmq.curve_keypair()[0].decode()[2:]}"
-        each += [[*nowhere, str(bad / name), server_key] for name in ("no secret", "public alone", "file")]
-        # There it makes them.
-        each.append([*nowhere, str(tmp_path / f"made by {side} {kind}" / "keys"), server_key])
-        each.append([*nowhere, str(bad / "own")])
-    found = runs(side, KEY, each)
+    cases = {
+        "": [],
+        "stranger": switch(kind, "--stranger"),
+        "wrong": [server_key, NOBODY],
+        "plain": switch(kind, "--plain"),
+    }
+    always = ["--endpoint", endpoint, "--keys", str(folder), "--count", "2", *PATIENT]
+    entered, *refused = runs(kind, KEY, [[*always, *options] for options in cases.values()])
+    assert entered.code == 0, entered.lines
+    greeting = "sent Hello, received Hello alice"
+    assert entered.lines[-3:] == [f"1: {greeting}", f"2: {greeting}", "done: 2 replies"]
     strangers = []
-    for _ in kinds(side):
-        entered, *refused = found[:4]
-        del found[:4]
-        assert entered.code == 0, entered.lines
-        greeting = "sent Hello, received Hello alice"
-        assert entered.lines[-3:] == [f"1: {greeting}", f"2: {greeting}", "done: 2 replies"]
-        for name, run in zip([*cases][1:], refused, strict=True):
-            assert run.code == 1, run.lines
-            gave_up = next(line for line in run.lines if "gave up: " in line)
-            tries = [f"1: connected and thrown out; try {i} of 3" for i in (2, 3)]
-            assert [line for line in run.lines if "; try " in line] == tries
-            said = f"gave up: 3 tries to ask {endpoint}, the last: connected and thrown out; "
-            if name == "plain":
-                assert gave_up == f"{said}a server with keys refuses who has none"
-                continue
-            asked = "is this client on its list, is server.key its key, and has it keys at all? This client's is "
-            assert gave_up.startswith(f"{said}{asked}")
-            mine = gave_up.rpartition(" ")[2]
-            assert (mine == alice) == (name == "wrong")
-            strangers += [mine] * (name == "stranger")
+    for name, run in zip([*cases][1:], refused, strict=True):
+        assert run.code == 1, run.lines
+        gave_up = next(line for line in run.lines if "gave up: " in line)
+        tries = [f"1: connected and thrown out; try {i} of 3" for i in (2, 3)]
+        assert [line for line in run.lines if "; try " in line] == tries
+        said = f"gave up: 3 tries to ask {endpoint}, the last: connected and thrown out; "
+        if name == "plain":
+            assert gave_up == f"{said}a server with keys refuses who has none"
+            continue
+        asked = "is this client on its list, is server.key its key, and has it keys at all? This client's is "
+        assert gave_up.startswith(f"{said}{asked}")
+        mine = gave_up.rpartition(" ")[2]
+        assert (mine == alice) == (name == "wrong")
+        strangers += [mine] * (name == "stranger")
     named = [line for line in server.lines if line.startswith("refused: ") and "more" not in line]
     assert named == [f"refused: key {key} from 127.0.0.1 is not in {folder / 'allowed'}" for key in strangers]
-    assert server.lines.count("alice from 127.0.0.1: 'Hello'") == 2 * len(kinds(side))
-    for kind in kinds(side):
-        secretless, alone, file, made, missing = found[:5]
-        del found[:5]
-        # Without a server it is not keys that are to be looked at.
-        nobody = "gave up: 1 try to ask tcp://127.0.0.1:1, the last: no reply within 0.3 s; is the server running, or "
-        assert made.code == 1 and nobody in "\n".join(made.lines)
-        secret = tmp_path / f"made by {side} {kind}" / "keys" / "client.key_secret"
-        assert keys.load(secret)[0] == keys.load(secret.with_name("client.key"))[0]
-        assert f"no key in {bad / 'no secret' / 'client.key_secret'}; {NO_KEY}" in "\n".join(secretless.lines)
-        assert f"{bad / 'public alone' / 'client.key'} {TAKEN}" in "\n".join(alone.lines)
-        assert str(bad / "file") in "\n".join(file.lines)
-        # In full, because its folder is seldom the one where the keys were made.
-        assert f"no key in {bad / 'own' / 'server.key'}; {NO_KEY}" in "\n".join(missing.lines)
-        for run in (secretless, alone, file, missing):
-            assert run.code == (1 if kind else 2), run.lines
-            assert not [line for line in run.lines if "Unhandled" in line or "Traceback" in line]
-    assert before == {path: path.read_bytes() for path in bad.rglob("*") if path.is_file()}
+    assert server.lines.count("alice from 127.0.0.1: 'Hello'") == 2
+
+
+@each_client
+def test_a_client_names_the_key_that_it_has_not_and_makes_what_it_can(kind, tmp_path, runs):
+    for name in ("no secret", "public alone"):
+        keys.make(tmp_path / name, "client")
+        (tmp_path / name / "client.key_secret").unlink()
+    shutil.copy(tmp_path / "no secret" / "client.key", tmp_path / "no secret" / "client.key_secret")
+    (tmp_path / "file").write_text("")
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    # A key may begin with two dashes, and is no option after the equals sign.
+    server_key = f"{'--serverKey' if kind == 'unity' else '--server-key'}=--{zmq.curve_keypair()[0].decode()[2:]}"
+    nowhere = ["--endpoint", "tcp://127.0.0.1:1", "--timeout", "0.3", "--tries", "1", "--keys"]
+    wrong = {
+        "no secret": f"no key in {tmp_path / 'no secret' / 'client.key_secret'}; {NO_KEY}",
+        "public alone": f"{tmp_path / 'public alone' / 'client.key'} {TAKEN}",
+        "file": str(tmp_path / "file"),
+    }
+    words = [[*nowhere, str(tmp_path / name), server_key] for name in (*wrong, "own")]
+    *found, made, missing = runs(kind, KEY, [*words, [*nowhere, str(tmp_path / "none")]])
+    # In full, because its folder is seldom the one where the keys were made.
+    causes = [*wrong.values(), f"no key in {tmp_path / 'none' / 'server.key'}; {NO_KEY}"]
+    for cause, run in zip(causes, [*found, missing], strict=True):
+        assert run.code == (1 if kind == "unity" else 2) and cause in "\n".join(run.lines), run
+        assert not [line for line in run.lines if "Unhandled" in line or "Traceback" in line]
+    # Without a server it is not keys that are to be looked at.
+    nobody = "gave up: 1 try to ask tcp://127.0.0.1:1, the last: no reply within 0.3 s; is the server running, or "
+    assert made.code == 1 and nobody in "\n".join(made.lines)
+    own = tmp_path / "own"
+    assert keys.load(own / "client.key_secret")[0] == keys.load(own / "client.key")[0]
+    assert before == {path: path.read_bytes() for path in before}
 
 
 def test_a_server_that_makes_its_keys_says_where(tmp_path, start):
@@ -202,15 +194,13 @@ def test_without_an_authenticator_and_in_any_domain_everybody_does_and_each_mess
 
 
 @each_side
-def test_a_client_makes_its_keys_and_comes_in_as_soon_as_it_is_enrolled(
-    side, folder, tmp_path, serve, start, client_command
-):
+def test_a_client_makes_its_keys_and_comes_in_as_soon_as_it_is_enrolled(side, folder, tmp_path, serve, start_client):
     _, endpoint = serve(KEY, "--keys", str(folder))
     own = tmp_path / "own"
     own.mkdir()
     (own / "server.key").write_bytes((folder / "server.key").read_bytes())
     options = ["--keys", str(own), "--tries", "1000", "--count", "2", *PATIENT]
-    client = start(*client_command(side, KEY, endpoint, *options))
+    client = start_client(side, KEY, endpoint, *options)
     client.wait_for("^1: connected and thrown out; try 3 of 1000$")
     keys.enrol(folder, "bob", str(own / "client.key"))
     seen = len(client.lines)
@@ -250,7 +240,7 @@ def test_a_key_taken_off_the_list_loses_its_live_connections_next_request(folder
     known = let_in(lambda: connect(endpoint, other))
     assert ask(live) == REVOKED
     known.send(b"Bye" * 20)
-    assert known.poll(LIMIT * 1000) and known.recv() == b"error: expected Hello, got '%b'" % (b"Bye" * 20)[:40]
+    assert known.recv() == b"error: expected Hello, got '%b'" % (b"Bye" * 20)[:40]
     assert "Traceback" not in server.output
 
 
@@ -366,7 +356,7 @@ def test_the_server_on_the_page_knows_its_clients(folder, tmp_path, start, conne
     assert ask(live) == "error: your key is not on the list"
 
 
-def test_a_key_enrolled_in_another_folder_of_the_same_name_can_be_noticed(tmp_path, start, caplog):
+def test_a_key_enrolled_in_another_folder_of_the_same_name_can_be_noticed(tmp_path, caplog):
     """The server has its folder in one place, and keys.py its own in another."""
     for place in "ab":
         (tmp_path / place).mkdir()
@@ -405,8 +395,8 @@ def test_a_server_says_in_one_line_what_it_cannot_use(runs, tmp_path):
         assert said == "no key in " or f"'{to}': write it like" in run.lines[-1]
 
 
-@each_side
-def test_a_file_that_holds_no_key_of_a_clients_is_not_read(side, folder, runs):
+@each_client
+def test_a_file_that_holds_no_key_of_a_clients_is_not_read(kind, folder, run):
     """A pipe would never end, and what is large would fill the memory."""
     always = ["--endpoint", "tcp://127.0.0.1:1", "--timeout", "0.3", "--tries", "1", "--keys"]
     key = (folder / "server.key").read_bytes()
@@ -417,8 +407,7 @@ def test_a_file_that_holds_no_key_of_a_clients_is_not_read(side, folder, runs):
             (folder / "server.key").write_bytes(key.ljust(4097))
         else:
             os.mkfifo(folder / "server.key")
-        for run in runs(side, KEY, [words(kind, *always, str(folder)) for kind in kinds(side)]):
-            assert f"no key in {folder / 'server.key'}; {NO_KEY}" in "\n".join(run.lines)
+        assert f"no key in {folder / 'server.key'}; {NO_KEY}" in "\n".join(run(kind, KEY, *always, str(folder)).lines)
 
 
 # A gate in front of a server that knows nothing of keys
@@ -429,8 +418,7 @@ def gate(request, folder, start, context):
     """The program and its endpoint, and the server behind it. A test may say how many clients are the most."""
     most = getattr(request, "param", 500)
     with context.socket(zmq.ROUTER) as behind:
-        behind.linger = 0
-        inside = f"tcp://127.0.0.1:{behind.bind_to_random_port('tcp://127.0.0.1')}"
+        inside = bind(behind)
         script = f"import gate; gate.MOST_CLIENTS = {most}; gate.run(gate.main)"
         words = ["--to", inside, "--endpoint", "tcp://127.0.0.1:0", "--keys", folder]
         path = os.pathsep.join([str(FOLDER), str(ROOT / "python")])
@@ -438,27 +426,16 @@ def gate(request, folder, start, context):
         yield program, program.wait_for(r"^listening on (\S+)")[1], behind
 
 
-def heard(behind):
-    assert behind.poll(LIMIT * 1000)
-    return behind.recv_multipart()
-
-
-def test_clients_of_other_lessons_come_through_the_gate_with_keys(folder, serve, start, runs):
-    gates = {}
-    for key in ("04_background_client", "14_long_jobs"):
-        words = ["--to", serve(key)[1], "--endpoint", "tcp://127.0.0.1:0", "--keys", folder]
-        gates[key] = start(PYTHON, FOLDER / "gate.py", *words).wait_for(r"^listening on (\S+)")[1]
-    for key, endpoint in gates.items():
-        always = ("--endpoint", endpoint, "--count", "5")
-        known = (*always, *PATIENT, "--with-keys", str(folder))
-        unity_too = kinds("csharp") if key.startswith("04") else [[]]
-        without, *welcome = runs(
-            "csharp",
-            key,
-            [[*always, "--tries", "1", "--timeout", "0.3"], *([*kind, *known] for kind in unity_too)],
-        )
-        assert without.code == 1, without.lines
-        assert {run.code for run in welcome} == {0}, welcome
+@pytest.mark.parametrize(
+    ("key", "kind"), [("04_background_client", "csharp"), ("04_background_client", "unity"), ("14_long_jobs", "csharp")]
+)
+def test_clients_of_other_lessons_come_through_the_gate_with_keys(key, kind, folder, serve, start, run):
+    words = ["--to", serve(key)[1], "--endpoint", "tcp://127.0.0.1:0", "--keys", folder]
+    endpoint = start(PYTHON, FOLDER / "gate.py", *words).wait_for(r"^listening on (\S+)")[1]
+    always = ["--endpoint", endpoint, "--count", "5"]
+    without = run(kind, key, *always, "--tries", "1", "--timeout", "0.3")
+    welcome = run(kind, key, *always, *PATIENT, "--with-keys", str(folder))
+    assert (without.code, welcome.code) == (1, 0), (without, welcome)
 
 
 def test_who_is_revoked_hears_no_more_of_what_was_asked_before(gate, folder, connect):
@@ -469,14 +446,14 @@ def test_who_is_revoked_hears_no_more_of_what_was_asked_before(gate, folder, con
     alice, bob = (connect(endpoint, pair, zmq.DEALER) for pair in (None, other))
     # Pictures pass as well.
     alice.send(bytes(100_000))
-    job, passed = heard(behind)
+    job, passed = behind.recv_multipart()
     assert passed == bytes(100_000)
     keys.revoke(folder, "alice")
     behind.send_multipart([job, b"progress"])
     # When what came later has passed, the progress would have.
     bob.send(b"bob's question")
-    behind.send_multipart([heard(behind)[0], bytes(100_000)])
-    assert bob.poll(LIMIT * 1000) and bob.recv() == bytes(100_000)
+    behind.send_multipart([behind.recv_multipart()[0], bytes(100_000)])
+    assert bob.recv() == bytes(100_000)
     assert not alice.poll(200)
 
 
@@ -487,15 +464,15 @@ def test_with_too_many_clients_the_one_that_was_silent_longest_is_disconnected(g
     places = []
     for asker in (first, second, first, third):
         asker.send(b"hello")
-        places.append(heard(behind)[0])
+        places.append(behind.recv_multipart()[0])
     assert places[0] == places[2] and len({*places}) == 3, "each has a connection, and keeps it"
     for place in places[1:]:
         behind.send_multipart([place, b"news"])
     for asker in (first, third):
-        assert asker.poll(LIMIT * 1000) and asker.recv() == b"news"
+        assert asker.recv() == b"news"
     assert not second.poll(200)
     second.send(b"hello again")
-    place, text = heard(behind)
+    place, text = behind.recv_multipart()
     assert text == b"hello again" and place not in places
 
 
@@ -511,7 +488,7 @@ def test_clients_that_come_and_go_take_a_gate_no_file_that_it_needs(limit, crowd
         asker = connect(endpoint)
         asker.send(b"Hello")
         if limit == "-Sn":
-            assert asker.poll(LIMIT * 1000)
+            assert asker.recv() == b"World"
         else:
             # As many as there is room for come in.
             asker.poll(20)
@@ -543,7 +520,7 @@ def test_an_answer_goes_to_the_key_that_has_asked(gate, folder, connect):
     keys.write(folder / "allowed" / "bob.key", other[0])
     alice = connect(endpoint, None, zmq.DEALER, b"same")
     alice.send(b"alice asks")
-    job, _ = heard(behind)
+    job, _ = behind.recv_multipart()
     alice.close()
     # An address is free when the gate has seen that its owner is gone. Until then nobody hears who comes with it; and
     # an earlier bob who asks with his last breath may be its next owner.
@@ -551,22 +528,22 @@ def test_an_answer_goes_to_the_key_that_has_asked(gate, folder, connect):
         bob = connect(endpoint, other, zmq.DEALER, b"same")
         bob.send(b"bob comes")
         while behind.poll(100):
-            behind.send_multipart([heard(behind)[0], b"welcome"])
+            behind.send_multipart([behind.recv_multipart()[0], b"welcome"])
         if bob.poll(100):
             break
         bob.close()
     assert bob.recv(zmq.NOBLOCK) == b"welcome"
     behind.send_multipart([job, b"alice's answer"])
     bob.send(b"bob asks")
-    behind.send_multipart([heard(behind)[0], b"bob's answer"])
-    assert bob.poll(LIMIT * 1000) and bob.recv() == b"bob's answer"
+    behind.send_multipart([behind.recv_multipart()[0], b"bob's answer"])
+    assert bob.recv() == b"bob's answer"
 
 
 def test_a_revoked_client_that_goes_on_makes_no_flood_of_lines(gate, folder, connect):
     program, endpoint, behind = gate
     alice = connect(endpoint, None, zmq.DEALER)
     alice.send(b"first")
-    heard(behind)
+    behind.recv_multipart()
     keys.revoke(folder, "alice")
     for _ in range(100):
         alice.send(b"again")
@@ -608,7 +585,6 @@ def test_nobody_on_the_wire_reads_a_word_and_a_recording_opens_nothing(side, fol
         assert len(wire.there) > 400
         assert b"Hello" not in wire.there + wire.back and b"alice" not in wire.there + wire.back
     with Recorder(serve("01_request_reply")[1]) as open_wire, context.socket(zmq.REQ) as asker:
-        asker.linger = 0
         asker.connect(open_wire.endpoint)
         assert ask(asker) == ask(asker) == "World"
         assert open_wire.there.count(b"Hello") == open_wire.back.count(b"World") == 2
@@ -675,34 +651,3 @@ def test_a_reply_is_all_of_its_frames(side, run, context):
     with answering(context, lambda frames: [b"", b"one", b"\xff"]) as endpoint:
         client = run(side, KEY, "--plain", "--endpoint", endpoint, "--count", "1", *PATIENT)
     assert client.lines[1:] == ["1: sent Hello, received  one (1 bytes)", "done: 1 replies"]
-
-
-def test_what_cannot_be_is_named_at_once(folder, context):
-    def secure(endpoint="tcp://127.0.0.1:1", **how):
-        return SecureRequester(endpoint, **{"context": context, **how})
-
-    before, allowed = sorted(folder.rglob("*")), AllowList(folder)
-    for name, attempt in [
-        ("folder", lambda: keys.make("", "server")),
-        ("folder", lambda: AllowList(None)),
-        ("folder", lambda: ClientKeys("", keys.load(folder / "server.key")[0].decode())),
-        ("role", lambda: keys.make(folder, "../server")),
-        ("role", lambda: keys.rotate(folder, None)),
-        ("name", lambda: keys.enrol(folder, "../bob", NOBODY)),
-        ("name", lambda: keys.revoke(folder, "")),
-        ("key takes", lambda: keys.enrol(folder, "bob", 0)),
-        ("a key is", lambda: keys.checked(NOBODY)),
-        ("context", lambda: allowed.answer(None)),
-        ("socket", lambda: allowed.guard(None)),
-        ("frame", lambda: allowed.name_of(b"Hello")),
-        ("key", lambda: allowed.name(NOBODY.encode())),
-        ("context", lambda: secure(context=0)),
-        ("endpoint", lambda: secure("tcp://127.0.0.1:99999")),
-        ("keys", lambda: secure(keys="")),
-        ("timeout", lambda: secure(timeout=float("nan"))),
-        ("tries", lambda: secure(tries=0)),
-        ("text", lambda: secure().request(None)),
-    ]:
-        with pytest.raises((TypeError, ValueError), match=rf"^(bad )?{name}\b.*$"):
-            attempt()
-        assert sorted(folder.rglob("*")) == before

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import re
 import runpy
 import time
@@ -13,6 +12,7 @@ import pytest
 import zmq
 
 from tests.conftest import CLIENTS, PYTHON
+from tests.lessons.conftest import bind
 from tests.programs import ROOT, finished, free_port, python_runs, steady_endpoint, steady_port
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 17 needs gymnasium: kit.py run 17 installs it")
@@ -80,11 +80,11 @@ def test_a_socket_of_the_fleet_that_nobody_closed_may_be_forgotten():
 
 
 @pytest.fixture
-def simulators(start, client_command):
+def simulators(start_client):
     """simulators(endpoint, "python", "csharp"): started side by side, and each is in the fleet."""
 
     def some(endpoint, *kinds, words=()):
-        programs = [start(*client_command(kind, KEY, endpoint, *words)) for kind in kinds]
+        programs = [start_client(kind, KEY, endpoint, *words) for kind in kinds]
         for program in programs:
             program.wait_for("^simulating CartPole")
         return programs
@@ -144,13 +144,12 @@ def test_a_simulator_without_work_is_sent_home_and_another_build_is_refused_by_n
 
 
 @each_client
-def test_a_client_does_as_it_is_told_and_says_hello_again_to_a_silent_hub(kind, context, start, client_command):
+def test_a_client_does_as_it_is_told_and_says_hello_again_to_a_silent_hub(kind, context, start_client):
     """A hub that was started anew is silent to whoever did not notice."""
     with context.socket(zmq.ROUTER) as hub:
-        hub.linger, hub.rcvtimeo = 0, 100_000
-        place = f"tcp://127.0.0.1:{hub.bind_to_random_port('tcp://127.0.0.1')}"
+        place = bind(hub)
         trouble = ["--crash-after", "2", "--delay", "0.3"] if kind != "unity" else []
-        client = start(*client_command(kind, KEY, place, "--build", "7", *trouble))
+        client = start_client(kind, KEY, place, "--build", "7", *trouble)
         peers = set()
         for silence in (0.5, 600.0):
             peer, *frames = hub.recv_multipart()
@@ -187,9 +186,8 @@ def test_a_trainer_waits_for_as_many_simulators_as_it_has_areas(serve, simulator
 def test_a_trainer_says_in_one_line_what_is_wrong(context):
     """With the endpoint, without a hub, and with a hub that is not the kit's."""
     with context.socket(zmq.ROUTER) as strange, ThreadPoolExecutor() as pool:
-        strange.linger, strange.rcvtimeo = 0, 100_000
-        port, nobody = strange.bind_to_random_port("tcp://127.0.0.1"), f"tcp://127.0.0.1:{free_port()}"
-        words = [["nonsense"], [f"tcp://127.0.0.1:{port}"], [nobody, "--areas", "1", "--timeout", "3"]]
+        nobody = f"tcp://127.0.0.1:{free_port()}"
+        words = [["nonsense"], [bind(strange)], [nobody, "--areas", "1", "--timeout", "3"]]
         trainers = pool.submit(python_runs, TRAIN, [["--endpoint", *each] for each in words])
         peer, *_ = strange.recv_multipart()
         strange.send_multipart([peer, *messages.Message("alive").frames()])
@@ -320,6 +318,7 @@ from typing import Annotated, Any
 import numpy as np
 
 from netmq_example import console
+from netmq_example.fleet.simulator import FleetSimulator
 from netmq_example.scene.scene import Agent, Obs, SceneSimulator
 from netmq_example.scene.simulator import EnvironmentClient
 
@@ -348,13 +347,8 @@ def scene(*names):
 
 
 if __name__ == "__main__":
-    sys.path.append(sys.argv[3])
-    from client import Mortal
-
     console.log_lines()
-    simulator = Mortal(scene("agent"))
-    simulator.crash_after = int(sys.argv[2])
-    EnvironmentClient(sys.argv[1], timeout=60).run(simulator)
+    EnvironmentClient(sys.argv[1], timeout=60).run(FleetSimulator(scene("agent")))
 """
 SPACES = {
     "observation_space": gymnasium.spaces.Dict(
@@ -371,30 +365,15 @@ def scene(tmp_path):
     return runpy.run_path(str(tmp_path / "walk.py"))["scene"]
 
 
-@pytest.fixture
-def scenes(scene, start, tmp_path):
-    """scenes(endpoint, 0, 20): each in a program of its own; the second ends after 20 steps."""
-
-    def some(endpoint, *crashes):
-        where = {"PYTHONPATH": str(ROOT / "python")}
-        programs = [
-            start(PYTHON, tmp_path / "walk.py", endpoint, crash, ROOT / "python" / KEY, **where) for crash in crashes
-        ]
-        for program in programs:
-            program.wait_for("^simulating Walk")
-        return programs
-
-    return some
-
-
 def walkers(count, socket, **more):
     return gymnasium.make_vec("NetMQExample/Unity-v0", count, env_name="Walk", **SPACES, socket=socket, **more)
 
 
-def test_scenes_of_a_hub_are_to_python_what_the_agents_of_one_scene_are(serve, scene, scenes, inside, make):
+def test_scenes_of_a_hub_are_to_python_what_the_agents_of_one_scene_are(serve, start, scene, inside, make, tmp_path):
     """And what single environments of as many scenes are, whose infos say more."""
     _, endpoint = serve(KEY, *STAY)
-    scenes(endpoint, 0, 0)
+    for _ in range(2):
+        start(PYTHON, tmp_path / "walk.py", endpoint, PYTHONPATH=str(ROOT / "python")).wait_for("^simulating Walk")
     for mode in AutoresetMode:
         words = {"autoreset_mode": mode, "max_episode_steps": 9}
         singles = [inside(scene("agent")).socket for _ in range(2)]
@@ -428,46 +407,6 @@ def assert_walk_alike(found):
     assert_same(ours[:-1], apart[:-1])
 
 
-def walked(simulator, seed, actions):
-    """The sum of an episode's rewards, played without a network."""
-    (agent,) = simulator.agents.values()
-    agent.begin(draws(seed), {})
-    agent.on_reset()
-    for action in actions:
-        simulator.step({agent: action})
-        if agent.terminated:
-            return agent.reward
-    raise AssertionError("it never ended")
-
-
-def test_a_scene_that_dies_in_an_episode_is_begun_anew_in_another(serve, scene, scenes):
-    hub, endpoint = serve(KEY, *STAY, "--late", "600")
-    (mortal,) = scenes(endpoint, 5)
-    scenes(endpoint, 0, 0)
-    actions = np.random.default_rng(2).uniform(-1, 1, (20, 2))
-    with FleetSocket(endpoint, "Walk", 2) as socket:
-        envs = walkers(2, socket, autoreset_mode="Disabled")
-        found = {}
-        for seed in range(0, 8, 2):
-            envs.reset(seed=seed)
-            total, over = np.zeros(2), np.zeros(2, bool)
-            for action in actions:
-                _, rewards, terminated, truncated, infos = envs.step(np.array([action, action]))
-                assert not truncated.any() and "lost" not in infos
-                total += rewards * ~over
-                if (over := over | terminated).all():
-                    break
-                if terminated.any():
-                    # A walker that is over walks on, and nobody counts it.
-                    envs.reset(seed=seed, options={"reset_mask": terminated})
-            found |= {seed: total[0], seed + 1: total[1]}
-        envs.close()
-    assert found == {seed: pytest.approx(walked(scene("agent"), seed, actions)) for seed in range(8)}
-    assert mortal.wait() == 1
-    assert mortal.lines[-1] == "crash after 5 steps, as told"
-    hub.wait_for(r", 1 begun anew, 0 asked elsewhere$")
-
-
 # Keys, and how a hub is found
 
 
@@ -482,7 +421,6 @@ def test_with_keys_it_is_found_by_its_own_and_lets_in_whoever_is_on_its_list(
         words = client_command(kind, KEY, f"beacon://hub:{port}", "--keys", str(folder), "--timeout", "60")
         start(*words).wait_for("^simulating CartPole for ")
     with context.socket(zmq.DEALER) as stranger:
-        stranger.linger = 0
         stranger.connect(endpoint)
         stranger.send_multipart(messages.Message("join", 0, {"name": "CartPole", "areas": 1}).frames())
         assert played(train(endpoint, 2, 3, "--keys", str(folder))) == returns(3)
@@ -530,24 +468,6 @@ def test_a_hub_that_was_away_says_first_what_is_missing():
     assert [(one.kind, one.values) for one in sent] == [("alive", {"simulators": 0, "taken": 0})]
 
 
-@pytest.mark.parametrize("missing", ["many", 0.5, True])
-def test_a_hub_that_counts_in_words_is_named(missing, context):
-    hub = context.socket(zmq.ROUTER)
-    hub.linger, hub.rcvtimeo = 0, 100_000
-    endpoint = f"tcp://127.0.0.1:{hub.bind_to_random_port('tcp://127.0.0.1')}"
-    with hub, FleetSocket(endpoint, "CartPole", 1) as trainer:
-        # It joins while it receives, as soon as there is a connection.
-        while not hub.poll(0):
-            with contextlib.suppress(zmq.Again):
-                trainer.recv_multipart()
-        peer, *_ = hub.recv_multipart()
-        trainer.send_multipart([b"hub", b"begun"])
-        hub.send_multipart([peer, *messages.Message("alive", values={"missing": missing}).frames()])
-        assert trainer.socket.poll(100_000)
-        with pytest.raises(messages.MessageError, match="'missing' must be int"):
-            trainer.recv_multipart()
-
-
 def test_a_hub_that_was_stopped_sends_nobody_home():
     """As by `docker compose pause`, or on a virtual machine that was saved: all of them were asleep."""
     hub = Hub(sent := Sent())
@@ -562,23 +482,3 @@ def test_a_hub_that_was_stopped_sends_nobody_home():
     hub.ticked -= 1
     hub.tick()
     assert not hub.members and sent[-1].kind == "close", "this one was silent"
-
-
-def test_what_cannot_be_is_named_at_once():
-    place = "tcp://127.0.0.1:5567"
-    for name, attempt in [
-        ("socket", lambda: Hub("x")),
-        ("report", lambda: Hub(Sent(), report=None)),
-        ("build", lambda: Hub(Sent(), build=1)),
-        ("late", lambda: Hub(Sent(), late=0)),
-        ("timeout", lambda: Hub(Sent(), timeout=float("nan"))),
-        ("idle", lambda: Hub(Sent(), idle=None)),
-        ("simulator", lambda: FleetSimulator(CartPole())),
-        ("build", lambda: FleetSimulator(Simulator(CartPole()), build=None)),
-        ("endpoint", lambda: FleetSocket(None, "CartPole", 1)),
-        ("name", lambda: FleetSocket(place, "", 1)),
-        ("areas", lambda: FleetSocket(place, "CartPole", 0)),
-        ("prepare", lambda: FleetSocket(place, "CartPole", 1, prepare="keys")),
-    ]:
-        with pytest.raises((TypeError, ValueError), match=rf"^(bad )?{name}\b.*$"):
-            attempt()

@@ -6,7 +6,6 @@ import json
 import os
 import time
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 import zmq
@@ -47,7 +46,6 @@ class Peer:
 
     def __init__(self, socket, hub, world):
         self.socket, self.world, self.asked = socket, world, 0
-        socket.linger = 0
         socket.connect(hub)
 
     def say(self, message, id=0):
@@ -80,6 +78,13 @@ class Peer:
         if wait:
             self.hear("hello")
         return self
+
+
+def plays(trainer, simulator, id=1):
+    """An episode of the trainer begins: its first state."""
+    trainer.say(RESET, id)
+    simulator.answer(simulator.hear("reset"), STATE)
+    return trainer.hear("state")
 
 
 def received(socket):
@@ -188,9 +193,7 @@ def test_bytes_that_are_no_record_are_named_and_the_hub_stays(hub, peer):
     for one, first in (simulator, b"\2"), (trainer, b"\1"):
         one.socket.send(first + bytes(40))
         assert one.hear("error").values["code"] == "bad-record"
-    trainer.say(RESET, 1)
-    simulator.answer(simulator.hear("reset"), STATE)
-    trainer.hear("state")
+    plays(trainer, simulator)
 
 
 def test_an_id_that_no_error_could_name_is_refused(hub, peer):
@@ -224,9 +227,7 @@ def test_a_trainer_that_was_not_admitted_gets_no_simulator(hub, peer):
     early.say(asks(records.RESET, records.RESET), 1)
     assert early.hear("error").values["code"] == "unknown-peer"
     trainer = peer(hub).join()
-    trainer.say(RESET, 1)
-    simulator.answer(simulator.hear("reset"), STATE)
-    trainer.hear("state")
+    plays(trainer, simulator)
 
 
 def test_a_trainer_that_has_closed_or_died_leaves_its_simulators_to_the_next(hub, peer):
@@ -256,9 +257,7 @@ def test_what_a_trainer_cannot_ask_is_named_and_it_may_go_on(hub, peer):
     for number, (request, code) in enumerate(WRONG_REQUESTS, 1):
         trainer.say(request, number)
         assert trainer.hear("error").values["code"] == code, kind_of(request)
-    trainer.say(RESET, 20)
-    simulator.answer(simulator.hear("reset"), STATE)
-    seen = trainer.hear("state").rows
+    seen = plays(trainer, simulator, 20).rows
     # Nothing to be done is done at once.
     trainer.say(asks(NOTHING), 21)
     assert trainer.hear("state").rows == seen
@@ -269,9 +268,7 @@ def test_what_a_trainer_cannot_ask_is_named_and_it_may_go_on(hub, peer):
 
 def test_what_is_asked_again_is_answered_again_and_done_once(hub, peer):
     simulator, trainer = peer(hub).hello(), peer(hub).join()
-    trainer.say(RESET, 1)
-    simulator.answer(simulator.hear("reset"), STATE)
-    first = trainer.hear("state")
+    first = plays(trainer, simulator)
     trainer.asked = 0
     trainer.say(RESET, 1)
     assert trainer.hear("state").frames() == first.frames()
@@ -342,9 +339,7 @@ def test_an_episode_that_ends_each_simulator_is_given_up(hub, peer):
 
 def test_a_simulator_that_goes_another_way_is_told_of(hub, peer):
     first, trainer = peer(hub).hello(), peer(hub).join()
-    trainer.say(RESET, 1)
-    first.answer(first.hear("reset"), STATE)
-    trainer.hear("state")
+    plays(trainer, first)
     first.socket.close()
     trainer.say(STEP, 2)
     begin, other = len(hub.lines), peer(hub).hello()
@@ -386,20 +381,3 @@ def test_the_board_says_what_has_changed_and_makes_no_flood_of_lines(caplog):
         said = "0 simulators, 0 free, 0 trainers, 0 at work, 0 episodes, 1 begun anew, 0 asked elsewhere"
         more, board.last_line = board.last_line and "7 lines more", ""
         assert caplog.messages == [line for line in (more, said * changed) if line]
-
-
-def test_for_episodes_that_wait_a_simulator_is_sought_once():
-    hub, count = Hub(SimpleNamespace(send_multipart=lambda frames, flags=0: None)), 5
-    for number in range(count):
-        hub.take(b"%d" % number, Message("hello", 0, {"name": "World", "dt": 0.02}, [SPACES]).frames())
-    hub.take(b"trainer", Message("join", 0, {"name": "World", "areas": count}).frames())
-    hub.tick()
-    request = asks(*[records.RESET] * count)
-    request.id = 1
-    hub.take(b"trainer", request.frames())
-    for number in range(count):
-        hub.lose(b"%d" % number, "")
-    sought = []
-    hub.free = sought.append
-    hub.take(b"stranger", Message("whatever").frames())
-    assert sought == ["World"]

@@ -11,7 +11,6 @@ import re
 import sys
 import time
 from types import SimpleNamespace
-from typing import Any
 
 import pytest
 import zmq
@@ -19,7 +18,8 @@ import zmq
 from netmq_example.body import camera, people
 from netmq_example.body import listener as body_listener
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import ROOT, steady_endpoint
+from tests.lessons.conftest import where
+from tests.programs import ROOT
 
 KEY = "20_body_tracking"
 LESSON = ROOT / "python" / KEY
@@ -29,14 +29,6 @@ each_client = pytest.mark.parametrize("kind", CLIENTS)
 # walker.py is beside the server.
 sys.path.append(str(LESSON))
 WALK = importlib.import_module("walker").persons()
-
-
-@pytest.fixture
-def listen(start, client_command):
-    def listen(kind, endpoint, *options, **environment):
-        return start(*client_command(kind, KEY, endpoint, *options), **environment)
-
-    return listen
 
 
 def message(number, body, person=0, seconds=1.5):
@@ -53,14 +45,14 @@ def knee(number, person):
 # Persons without a webcam
 
 
-def test_a_person_is_seen_to_move(serve, listen):
+def test_a_person_is_seen_to_move(serve, start_client, connect):
     """Each printed angle is that of the walker's pose of this number, whichever client it is."""
     begin = time.monotonic()
-    server, endpoint = serve(KEY, **GERMAN)
+    _, endpoint = serve(KEY, **GERMAN)
     clients = []
     for kind, person in ("python", 0), ("python", 1), ("csharp", 1), ("unity", 1):
         words = ["--person", str(person), "--count", "13", "--every", "4"]
-        clients.append((person, listen(kind, endpoint, *words, "--timeout", "60", **GERMAN)))
+        clients.append((person, start_client(kind, KEY, endpoint, *words, "--timeout", "60", **GERMAN)))
     for person, client in clients:
         assert client.wait() == 0, client.output
         first, *seen, last = client.lines
@@ -72,12 +64,7 @@ def test_a_person_is_seen_to_move(serve, listen):
         assert [match[2] for match in found] == [knee(int(match[1]), person) for match in found]
         assert len({match[2] for match in found}) > 1
     # Seconds are the computer's: else each pose of a server that was started again would seem to be late.
-    with zmq.Context() as context, context.socket(zmq.SUB) as stream:
-        stream.linger = 0
-        stream.subscribe("pose/0/")
-        stream.connect(endpoint)
-        assert stream.poll(100_000), server.output
-        seconds = body_listener.parse(stream.recv().decode()).seconds
+    seconds = body_listener.parse(connect(endpoint, zmq.SUB, "pose/0/").recv().decode()).seconds
     assert begin - 0.001 < seconds < time.monotonic() + 0.001
 
 
@@ -167,41 +154,12 @@ def test_a_recording_that_excel_has_saved_is_read(tmp_path):
 # A server that goes, and one that the test decides for
 
 
-def test_a_server_that_is_started_again(serve, listen):
-    """Its numbers begin anew, and the clients say so and go on."""
-    endpoint = steady_endpoint()
-    server, _ = serve(KEY, endpoint=endpoint)
-    clients = [listen(kind, endpoint, "--every", "1", "--count", "0", "--timeout", "60") for kind in CLIENTS]
-    for client in clients:
-        # So many that the new one's number is certainly lower.
-        client.wait_for("^person 0: pose .*", start=20)
-    server.kill()
-    serve(KEY, endpoint=endpoint)
-    for client in clients:
-        client.wait_for("^person 0: the server was started again$")
-        client.wait_for("^person 0: pose ", start=len(client.lines))
-        assert client.lines.count("person 0: the server was started again") == 1
-
-
-@pytest.fixture
-def stage():
-    """An XPUB, which sees subscriptions come; and where it is."""
-    with zmq.Context() as context, context.socket(zmq.XPUB) as stream:
-        stream.linger = 0
-        yield stream, f"tcp://127.0.0.1:{stream.bind_to_random_port('tcp://127.0.0.1')}"
-
-
-def subscribed(stream, to):
-    assert stream.poll(100_000), "nobody subscribed"
-    assert stream.recv() == b"\x01" + to
-
-
 @TERMINAL
-def test_the_newest_wins(kind, stage, listen):
+def test_the_newest_wins(kind, fake, start_client):
     """While the client works on 1 the others arrive; it takes the last of them, and counts the rest."""
-    stream, endpoint = stage
-    client = listen(kind, endpoint, "--count", "2", "--every", "1", "--work", "4", "--timeout", "60")
-    subscribed(stream, b"pose/0/")
+    stream, endpoint = fake, where(fake)
+    client = start_client(kind, KEY, endpoint, "--count", "2", "--every", "1", "--work", "4", "--timeout", "60")
+    assert stream.recv() == b"\x01pose/0/"
     body = WALK[0][1][0]
     stream.send_string(message(1, body))
     client.wait_for("^person 0: pose 1, right knee")
@@ -213,10 +171,10 @@ def test_the_newest_wins(kind, stage, listen):
 
 
 @each_client
-def test_poses_that_are_late_come_twice_or_are_none(kind, stage, listen):
-    stream, endpoint = stage
-    client = listen(kind, endpoint, "--count", "6", "--every", "1", "--timeout", "60", "--person", "12")
-    subscribed(stream, b"pose/12/")
+def test_poses_that_are_late_come_twice_or_are_none(kind, fake, start_client):
+    stream, endpoint = fake, where(fake)
+    client = start_client(kind, KEY, endpoint, "--count", "6", "--every", "1", "--timeout", "60", "--person", "12")
+    assert stream.recv() == b"\x01pose/12/"
 
     def seen(number, body, line, seconds=100.0):
         begin = len(client.lines)
@@ -243,11 +201,11 @@ def test_poses_that_are_late_come_twice_or_are_none(kind, stage, listen):
 
 
 @TERMINAL
-def test_a_stream_without_a_pose_is_given_up(kind, stage, listen):
+def test_a_stream_without_a_pose_is_given_up(kind, fake, start_client):
     """However much of something else comes."""
-    stream, endpoint = stage
-    client = listen(kind, endpoint, "--timeout", "3")
-    subscribed(stream, b"pose/0/")
+    stream, endpoint = fake, where(fake)
+    client = start_client(kind, KEY, endpoint, "--timeout", "3")
+    assert stream.recv() == b"\x01pose/0/"
     while client.process.poll() is None:
         stream.send_string("pose/0/ something else")
         time.sleep(0.01)
@@ -259,7 +217,6 @@ def test_a_stream_without_a_pose_is_given_up(kind, stage, listen):
 
 STAND_IN = '''
 from types import SimpleNamespace
-from typing import Any
 class Landmark(SimpleNamespace): pass
 class ImageFormat: SRGB = 1
 class Image:
@@ -315,8 +272,6 @@ tasks = SimpleNamespace(vision=vision, BaseOptions=SimpleNamespace)
 OPENCV = '''
 import time
 from types import SimpleNamespace
-from typing import Any
-from typing import Any
 COLOR_BGR2RGB = 4
 def cvtColor(picture, code):
     assert (picture, code) == ("BGR of a picture", 4)
@@ -416,39 +371,34 @@ def test_a_newcomer_takes_nobodys_place():
     assert [body[0][0] for body in people] == [0.2, 0.4] and places == [(0.2, 0.5), (0.4, 0.5)]
 
 
-def test_hands_have_topics_of_their_own(webcam, start):
+def test_hands_have_topics_of_their_own(webcam, start, connect):
     """Byte by byte; and of two left hands it is the one that looks more like one."""
     model = webcam / "model.task"
     words = ["--endpoint", "tcp://127.0.0.1:0", "--camera", "--model", model, "--hands", model]
     server = start(PYTHON, LESSON / "server.py", *words, PYTHONPATH=str(webcam))
     endpoint = server.wait_for(r"^listening on (\S+)")[1]
-    with zmq.Context() as context, context.socket(zmq.SUB) as stream:
-        stream.linger = 0
-        stream.subscribe("")
-        stream.connect(endpoint)
-        seen = set()
-        while len(seen) < 5:
-            assert stream.poll(100_000), server.output
-            topic, number, seconds, *rest = stream.recv().decode().split(" ")
-            assert re.fullmatch(r"\d+\.\d{3}", seconds)
-            if topic.startswith("hand/"):
-                there = topic == "hand/left/" or int(number) % 2 == 1
-                sign, sure = ("", "0.980") if topic == "hand/left/" else ("-", "0.875")
-                assert rest == [f"{sign}0.050", "0.020", "-0.010", sure] * 21 * there
-                seen.add((topic, there))
-            else:
-                assert rest[1:4] in ([], ["0.250", "-0.500", "0.900"])
-                seen.add((topic, True))
+    stream, seen = connect(endpoint, zmq.SUB, ""), set()
+    while len(seen) < 5:
+        topic, number, seconds, *rest = stream.recv().decode().split(" ")
+        assert re.fullmatch(r"\d+\.\d{3}", seconds)
+        if topic.startswith("hand/"):
+            there = topic == "hand/left/" or int(number) % 2 == 1
+            sign, sure = ("", "0.980") if topic == "hand/left/" else ("-", "0.875")
+            assert rest == [f"{sign}0.050", "0.020", "-0.010", sure] * 21 * there
+            seen.add((topic, there))
+        else:
+            assert rest[1:4] in ([], ["0.250", "-0.500", "0.900"])
+            seen.add((topic, True))
     assert seen == {("pose/0/", True), ("pose/1/", True), ("hand/left/", True), *{("hand/right/", it) for it in (0, 1)}}
     assert server.stop() == 0
 
 
 @each_client
-def test_a_hand_is_heard(kind, stage, listen):
+def test_a_hand_is_heard(kind, fake, start_client):
     """An index finger that is bent by a right angle; then no hand; and what is no hand is passed over."""
-    stream, endpoint = stage
-    client = listen(kind, endpoint, "--hand", "left", "--count", "2", "--every", "1", "--timeout", "25")
-    subscribed(stream, b"hand/left/")
+    stream, endpoint = fake, where(fake)
+    client = start_client(kind, KEY, endpoint, "--hand", "left", "--count", "2", "--every", "1", "--timeout", "25")
+    assert stream.recv() == b"\x01hand/left/"
     marks = [(0.001 * i, 0.02, 0.01, 0.98) for i in range(21)]
     marks[5], marks[6], marks[7] = (0, 0.1, 0, 1), (0, 0, 0, 1), (0, 0, -0.1, 1)
     text = message(7, marks).replace("pose/0/", "hand/left/")
@@ -510,48 +460,9 @@ def test_a_server_listens_when_there_is_somebody_to_see(webcam, start):
 
 def test_a_landmark_without_a_place_is_named_and_never_written(tmp_path):
     body = [(0.0, 0.0, 0.0, 0.5)] * 33
-    for wrong in ((NAN,) * 4, (0.0, 0.0, float("inf"), 1.0), (0.0, 1e9, 0.0, 1.0), (0.0, 0.0, 0.0)):
+    for wrong in ((float("nan"),) * 4, (0.0, 0.0, float("inf"), 1.0), (0.0, 1e9, 0.0, 1.0), (0.0, 0.0, 0.0)):
         body[26] = wrong
         with pytest.raises(people.SourceError, match=r"^landmark 26 is .*, and not four numbers: .* visibility 0$"):
             people.as_text(body)
         with pytest.raises(people.SourceError, match=r"^landmark 26 is "):
             people.write(tmp_path / "mine.csv", [(0.0, [body])])
-
-
-# The methods' own refusals
-
-NAN = float("nan")
-
-
-def test_what_a_method_cannot_use_is_named(context, monkeypatch, tmp_path):
-    monkeypatch.chdir(tmp_path)
-    pose, nobody = (body_listener.parse(message(1, body)) for body in (WALK[0][1][0], []))
-
-    def listener(endpoint="tcp://127.0.0.1:1", topic="pose/0/", timeout=1.0, **how):
-        with body_listener.BodyListener(endpoint, topic, **how) as listener:
-            listener.receive(timeout)
-
-    table: list[Any] = [
-        ("socket", lambda value: listener(socket=value), 0, zmq.SUB),
-        ("endpoint", listener, None, "tcp://127.0.0.1:99999"),
-        ("topic", lambda value: listener(topic=value), None, "pose/0", "pose/-1/"),
-        ("timeout", lambda value: listener(timeout=value), 0, NAN),
-        ("a", lambda value: pose.angle(value, 1, 2), None, -1, NAN, 33),
-        ("a", lambda value: nobody.angle(value, 1, 2), 0),
-        ("c", lambda value: pose.angle(0, 1, value), None, 33),
-        ("message", body_listener.parse, None, b"pose"),
-        ("path", people.read, None),
-        ("path", lambda value: people.write(value, []), None),
-        ("seconds", lambda value: people.write("never.csv", [(value, [])]), None, NAN),
-        ("landmarks", lambda value: people.write("never.csv", [(0.0, [value])]), [(0.0,) * 4], [(0.0,) * 4] * 21),
-        ("pictures", lambda value: next(people.play(value)), None, []),
-        ("device", lambda value: next(camera.watch(value, "m.task", 1)), None, -1, NAN, ""),
-        ("model", lambda value: next(camera.watch(0, value, 1)), None),
-        ("persons", lambda value: next(camera.watch(0, "m.task", value)), None, 0),
-        ("hands", lambda value: next(camera.watch(0, "m.task", 1, value)), 0),
-    ]
-    for name, call, *values in table:
-        for value in values:
-            with pytest.raises((ValueError, TypeError), match=rf"\b{name}\b") as caught:
-                call(value)
-            assert "\n" not in str(caught.value)

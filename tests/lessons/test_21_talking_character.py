@@ -17,18 +17,17 @@ import pytest
 import zmq
 
 from kitlib.setup import dotnet
-from netmq_example.jobs.client import JobClient
 from netmq_example.talk.ollama import ollama_talk
 from netmq_example.work import WorkError
 from tests.bad_peers import web_server
 from tests.conftest import CLIENTS
+from tests.lessons.conftest import bind
 from tests.lessons.long_jobs.peers import Message, Peer, read
 from tests.programs import LIMIT, ROOT, free_port, steady_endpoint
 
 KEY = "21_talking_character"
 sys.path.append(str(ROOT / "python" / KEY))
 import small_talk  # noqa: E402
-from speech import Speech, ask  # noqa: E402
 
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 PROMPT = "Who built this bridge?"
@@ -36,14 +35,6 @@ PROMPT = "Who built this bridge?"
 
 def sentences(text):
     return [f"she: {one}" for one in re.sub(r"(?<=[.!?]) ", "\n", text).splitlines()]
-
-
-@pytest.fixture
-def talk(start, client_command):
-    def talk(kind, endpoint, *options):
-        return start(*client_command(kind, KEY, endpoint, *options))
-
-    return talk
 
 
 @each_client
@@ -65,10 +56,10 @@ def test_what_is_said_is_heard_whole(kind, serve, runs):
         server.wait_for(rf"succeeded at {len(words.split())} of {len(words.split())}$")
 
 
-def test_who_walks_away_ends_it(serve, talk):
+def test_who_walks_away_ends_it(serve, start_client):
     # On a busy machine it takes seconds until the server hears of it, and then there must be words left.
     server, endpoint = serve(KEY, "--delay", "0.5", "--workers", "3")
-    clients = [talk(kind, endpoint, "--leave-after", "5", "--timeout", "60") for kind in CLIENTS]
+    clients = [start_client(kind, KEY, endpoint, "--leave-after", "5", "--timeout", "60") for kind in CLIENTS]
     whole = small_talk.reply(PROMPT, 0).split()
     for client in clients:
         assert client.wait() == 0, client.output
@@ -82,11 +73,11 @@ def test_who_walks_away_ends_it(serve, talk):
         begin = next(i for i, line in enumerate(server.lines) if i >= begin and "canceled at" in line) + 1
 
 
-def test_a_server_that_is_started_again_has_no_half_answer(serve, talk):
+def test_a_server_that_is_started_again_has_no_half_answer(serve, start_client):
     """It could not go on in the middle, and says so: what was said stays, and the rest is not waited for."""
     endpoint = steady_endpoint()
     server, _ = serve(KEY, "--delay", "0.3", "--workers", "3", endpoint=endpoint)
-    clients = [talk(kind, endpoint, "--timeout", "25") for kind in CLIENTS]
+    clients = [start_client(kind, KEY, endpoint, "--timeout", "25") for kind in CLIENTS]
     for client in clients:
         client.wait_for("^she: Mind the third plank!$")
     server.kill()
@@ -172,12 +163,11 @@ SPOKEN = [
 def stage(context):
     """stage(*news): answers the next goal with these messages, and returns the goal."""
     with context.socket(zmq.ROUTER) as router:
-        router.linger, played = 0, set()
+        played = set()
 
         def play(*news):
             goal = None
             while not goal or goal.kind != "goal" or goal.values["job"] in played:
-                assert router.poll(LIMIT * 1000)
                 way, *frames = router.recv_multipart()
                 goal = read(frames)
             played.add(goal.values["job"])
@@ -188,7 +178,7 @@ def stage(context):
                 router.send_multipart([way, *message.frames()])
             return goal
 
-        yield play, f"tcp://127.0.0.1:{router.bind_to_random_port('tcp://127.0.0.1')}"
+        yield play, bind(router)
 
 
 @each_client
@@ -357,22 +347,3 @@ def test_an_ollama_that_is_not_there_is_named(runs):
     for url, run in zip(urls, runs("server", KEY, [["--ollama", url] for url in urls]), strict=True):
         assert run.code == 2
         assert run.lines[-1].endswith(f"bad address '{url}': write it like http://127.0.0.1:11434")
-
-
-def test_what_a_method_cannot_use_is_named(context):
-    with JobClient("tcp://127.0.0.1:1", context=context) as client:
-        table: list[Any] = [
-            ("client", lambda value: ask(value, "Who are you?", 200), None),
-            ("prompt", lambda value: ask(client, value, 200), None, "", "x" * 1001),
-            ("most", lambda value: ask(client, "Who are you?", value), 0),
-            ("news", Speech().hear, None),
-            ("line", Speech().say, None),
-            ("result", Speech().outcome, None),
-            ("address", lambda value: next(ollama_talk(1, b"", "?", url=value, model="x")), None, "http://x:0"),
-            ("model", lambda value: next(ollama_talk(1, b"", "?", url="http://x", model=value)), None, ""),
-        ]
-        for name, call, *values in table:
-            for value in values:
-                with pytest.raises((ValueError, TypeError), match=rf"\b{name}\b") as caught:
-                    call(value)
-                assert "\n" not in str(caught.value)

@@ -33,13 +33,13 @@ CASES = {
 
 @pytest.mark.parametrize("kind", ["python", "csharp"])
 @pytest.mark.parametrize("key", CASES)
-def test_a_far_server_is_reached(key, kind, serve, start, client_command):
+def test_a_far_server_is_reached(key, kind, serve, start_client):
     words, answered = CASES[key]
     server, _ = serve(key)
     with contextlib.ExitStack() as stack:
         far = {name: stack.enter_context(SlowLine(place, ROUND_TRIP)) for name, place in places(server).items()}
         others = [word for name, line in far.items() if name != "listening" for word in (f"--{name}", line.endpoint)]
-        client = start(*client_command(kind, key, far["listening"].endpoint, *others, *words))
+        client = start_client(kind, key, far["listening"].endpoint, *others, *words)
         client.wait_for(answered)
 
 
@@ -70,11 +70,11 @@ def test_a_server_that_breaks_the_protocol_holds_no_client(key, kind, run):
 
 @pytest.mark.parametrize("kind", ["python", "csharp"])
 @pytest.mark.parametrize("key", ["03_publish_subscribe", "07_catch_up"])
-def test_the_right_publisher_is_found_after_the_wrong_server(key, kind, serve, start, client_command):
+def test_the_right_publisher_is_found_after_the_wrong_server(key, kind, serve, start_client):
     """After a peer that is no publisher, libzmq never connects again by itself."""
     endpoint = two_ports()
     wrong, _ = serve("01_request_reply", endpoint=endpoint)
-    client = start(*client_command(kind, key, endpoint, "--count", "3", "--timeout", "25"))
+    client = start_client(kind, key, endpoint, "--count", "3", "--timeout", "25")
     client.wait_for("^(listening|following) ")
     # Not a wait for something: that long the wrong server has the port.
     time.sleep(0.5)

@@ -18,7 +18,7 @@ import pytest
 import zmq
 
 import netmq_example
-from netmq_example import errors
+from netmq_example import extras
 from netmq_example.background_client import BackgroundClient
 from netmq_example.messages import MessageError
 from netmq_example.one_process import OneProcess
@@ -171,9 +171,9 @@ def test_a_server_goes_on_whatever_becomes_of_its_lines(console, start, context)
 def test_a_command_to_paste_is_quoted(monkeypatch):
     monkeypatch.setattr(sys, "executable", "/home/O'Brien/R&D kit/python")
     words = [sys.executable, "-m", "pip", "install", "mediapipe"]
-    assert shlex.split(errors.pip_install("mediapipe")) == words
+    assert shlex.split(extras.pip_install("mediapipe")) == words
     monkeypatch.setattr(sys, "platform", "win32")
-    assert errors.pip_install("mediapipe") == '"/home/O\'Brien/R&D kit/python" -m pip install mediapipe'
+    assert extras.pip_install("mediapipe") == '"/home/O\'Brien/R&D kit/python" -m pip install mediapipe'
 
 
 # It is told to end by the write of its line, between two steps of Python's.
@@ -317,7 +317,7 @@ def test_a_notebook_without_a_package_is_told_how_its_own_python_gets_it(package
     done = finished([PYTHON, "-c", lacking])
     last = done.stderr.splitlines()[-1]
     assert last.startswith("ModuleNotFoundError: ") and last.endswith(
-        f": {errors.shell(str(PYTHON), '-m', 'pip', 'install', package)}"
+        f": {extras.shell(str(PYTHON), '-m', 'pip', 'install', package)}"
     ), done
 
 

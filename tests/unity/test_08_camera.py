@@ -4,6 +4,7 @@ pictures back some frames later. tests/lessons/test_08_drive.py has what is the 
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import io
 import re
@@ -18,7 +19,7 @@ from tests.unity.conftest import NEAREST
 
 np = pytest.importorskip("numpy", reason="lesson 08 needs numpy: pip install numpy")
 from netmq_example.worlds import road as world  # noqa: E402
-from tests.lessons.test_08_drive import Driver  # noqa: E402
+from tests.lessons.test_08_drive import Driver, driving  # noqa: E402
 
 Drive = Callable[..., tuple[Driver, Program]]
 
@@ -26,22 +27,18 @@ Drive = Callable[..., tuple[Driver, Program]]
 @pytest.fixture
 def drive(play: Callable[..., Program]) -> Iterator[Drive]:
     """Plays tests/unity/play/Drives.cs against a driver: drive(answer, "count=10", …)."""
-    with zmq.Context() as context:
-        drivers: list[Driver] = []
+    with zmq.Context() as context, contextlib.ExitStack() as drivers:
 
         def start(
             answer: Callable[[Any], dict[str, float]], *each: str, runtime: str = "dotnet"
         ) -> tuple[Driver, Program]:
-            drivers.append(Driver(context, answer))
+            driver = drivers.enter_context(driving(context, answer))
             # Patient: an answer that comes too late, on a busy machine, counts here and not there.
-            patient = f"every=0 tries=100 timeout=60 endpoint={drivers[-1].endpoint}"
+            patient = f"every=0 tries=100 timeout=60 endpoint={driver.endpoint}"
             words = " -- ".join(f"{patient} {one}" for one in each)
-            return drivers[-1], play("drive", *words.split(), runtime=runtime)
+            return driver, play("drive", *words.split(), runtime=runtime)
 
         yield start
-        for one in drivers:
-            one.over.set()
-            one.join()
 
 
 def picture(frame: Any, camera: int = 0) -> Any:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import time
 import uuid
 
@@ -10,7 +9,7 @@ import pytest
 import zmq
 
 from netmq_example.messages import Message as Message
-from tests.programs import LIMIT, ROOT, steady_endpoint
+from tests.programs import LIMIT, steady_endpoint
 
 read = Message.read
 KEY = "14_long_jobs"
@@ -22,7 +21,6 @@ class Peer:
     def __init__(self, context, endpoint, job=""):
         self.job, self.heard, self.asked_again = job or uuid.uuid4().hex, [], 0
         self.socket = context.socket(zmq.DEALER)
-        self.socket.linger = 0
         self.socket.connect(endpoint)
 
     def ask(self, verb, **values):
@@ -76,13 +74,6 @@ def jobs_server(serve, tmp_path):
         return serve(KEY, "--journal", str(tmp_path / "journal.sqlite3"), *options, endpoint=endpoint)
 
     return jobs_server
-
-
-def copied(folder):
-    """The lesson's programs in this folder, beside the package: a copy that a test may change."""
-    for name in (KEY, "netmq_example"):
-        shutil.copytree(ROOT / "python" / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
-    return folder / KEY
 
 
 def units(result):
