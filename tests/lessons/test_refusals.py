@@ -164,7 +164,7 @@ def lesson_16(context, folder):
     pytest.importorskip("socketio", reason="lesson 16 needs python-socketio: kit.py run 16 installs it")
     from netmq_example.tap.arrows import Arrows
     from netmq_example.tap.page import Page
-    from netmq_example.tap.passing import Link, Trouble
+    from netmq_example.tap.passing import Faults, Link
     from netmq_example.web.browser_socket import Listener, Requester
     from netmq_example.web.door import Door
     from netmq_example.web.requester import WebSocketRequester
@@ -183,11 +183,11 @@ def lesson_16(context, folder):
     for kind in WebSocketRequester, SocketIORequester:
         yield kind, "endpoint name token timeout", "http://127.0.0.1:5566", "hello"
     yield asked, "text"
-    yield Trouble, "planned asked way slow"
-    yield Trouble().ask, "fate way", "drop", "up"
-    yield lambda number: Link(0, Arrows(), Trouble()), "number"
-    yield Link, "number arrows trouble", 1, Arrows(), Trouble()
-    yield Page, "arrows trouble title", Arrows(), Trouble(), ""
+    yield Faults, "planned asked way slow"
+    yield Faults().ask, "fault way", "drop", "up"
+    yield lambda number: Link(0, Arrows(), Faults()), "number"
+    yield Link, "number arrows faults", 1, Arrows(), Faults()
+    yield Page, "arrows faults title", Arrows(), Faults(), ""
     yield Arrows().add, "way piece", 1, "up", None
     yield Arrows().after, "number most", 0, 0
     yield Arrows().find, "number"
