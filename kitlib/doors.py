@@ -43,6 +43,10 @@ def fitted(init: Path, names: Collection[str]) -> bytes:
     return "".join(lines).rstrip().encode() + b"\n"
 
 
+def loads(there: Mapping[str, str]) -> str:
+    return textwrap.indent(f"ROOMS = {json.dumps(there, indent=4)}\n{LOADS}", "    ")
+
+
 def has(module: str, names: Collection[str]) -> bool:
     path = module.replace(".", "/")
     return f"{path}.py" in names or f"{path}/__init__.py" in names
@@ -59,10 +63,10 @@ def replaced(node: ast.stmt, there: Mapping[str, str], table: Mapping[str, str])
         case ast.Assign(targets=[ast.Name(id="__all__")], value=value):
             names = [name for name in ast.literal_eval(value) if name in there or name not in table]
             return f"__all__ = {json.dumps(names, indent=4)}\n" if names else ""
-        case ast.If(test=ast.Name(id="TYPE_CHECKING")):
+        case ast.If(test=ast.Name(id="TYPE_CHECKING"), orelse=orelse):
             imports = [f"    from {room} import {name}\n" for name, room in there.items()]
-            return "".join(["if TYPE_CHECKING:\n", *imports]) if imports else ""
+            otherwise = [f"else:\n    __all__ = {sorted(there)}\n{loads(there)}"] if orelse else []
+            return "".join(["if TYPE_CHECKING:\n", *imports, *otherwise]) if imports else ""
         case ast.If(test=ast.UnaryOp(operand=ast.Name(id="TYPE_CHECKING"))):
-            lines = f"ROOMS = {json.dumps(there, indent=4)}\n{LOADS}"
-            return "if not TYPE_CHECKING:\n" + textwrap.indent(lines, "    ") if there else ""
+            return f"if not TYPE_CHECKING:\n{loads(there)}" if there else ""
     return None

@@ -50,8 +50,10 @@ def rooms(init: Path) -> dict[str, str]:
     for node in parsed(init).body:
         if isinstance(node, ast.If) and isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING":
             for line in node.body:
-                if isinstance(line, ast.ImportFrom):
-                    found |= {each.name: str(line.module) for each in line.names}
+                if isinstance(line, ast.ImportFrom) and line.names[0].name == "*":
+                    found |= rooms(init.with_name(str(line.module).rpartition(".")[2] + ".py"))
+                elif isinstance(line, ast.ImportFrom):
+                    found |= {each.name: str(line.module) for each in line.names if each.name != "__all__"}
     return found
 
 
@@ -64,6 +66,11 @@ def needed(module: str, name: str, importer: Path) -> str:
     return room or module
 
 
+def is_optional(node: ast.Try) -> bool:
+    """Whether all that is tried is an import of the kit's own."""
+    return all(isinstance(each, ast.ImportFrom) and str(each.module).startswith(IMPORT_NAME) for each in node.body)
+
+
 @functools.cache
 def read(path: Path) -> Source:
     source = Source()
@@ -74,6 +81,9 @@ def read(path: Path) -> Source:
                 function = node.name
             case ast.If(test=ast.Name(id="TYPE_CHECKING")) | ast.ImportFrom(module="netmq_example.doors"):
                 # The first is for a type checker alone, and no copy needs the second.
+                return
+            case ast.Try(handlers=[ast.ExceptHandler(type=ast.Name(id="ModuleNotFoundError"))]) if is_optional(node):
+                # It does without this module, unless something else brings it along.
                 return
             case ast.Import():
                 source.imports += [(function, each.name) for each in node.names]

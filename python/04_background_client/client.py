@@ -19,7 +19,7 @@ from netmq_example.program import printable, run, whole
 
 
 def play(client: BackgroundClient, text: str, count: int, naive: bool) -> None:
-    """What a game does: frame after frame. Each one runs what came back, and asks once; none of them waits."""
+    """A game does the same: frame after frame. Each one runs what came back, and asks once; none of them waits."""
     replies: list[str] = []
     errors: list[str] = []
     frame_seconds: list[float] = []

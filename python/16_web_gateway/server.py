@@ -39,10 +39,7 @@ PUBLISHERS = {"poses": "tcp://127.0.0.1:5553", "pictures": "tcp://127.0.0.1:5555
 
 async def serve(options: argparse.Namespace) -> None:
     """The page, WebSocket and Socket.IO on one port, and behind it one ZeroMQ socket for each browser."""
-    context = for_browsers()
-    if options.keys:
-        # To the servers the gateway is one client. Each new socket of a context has the context's options.
-        options.keys.apply(context)
+    context = for_browsers(options.keys)
 
     def opened(name: str) -> BrowserSocket:
         """The ZeroMQ socket of one browser. It is closed when that browser leaves."""

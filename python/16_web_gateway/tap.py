@@ -30,10 +30,10 @@ sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 from netmq_example import check
 from netmq_example.asking import at_least_one, client_endpoint
 from netmq_example.extras import importing
-from netmq_example.program import option, run, show
+from netmq_example.program import option, run, seconds, show
 from netmq_example.tap.arrows import Arrows, recording
-from netmq_example.tap.passing import FATES, Link, Trouble
-from netmq_example.trouble import Trouble as Lines
+from netmq_example.tap.passing import FAULTS, Faults, Link
+from netmq_example.trouble import Trouble
 
 with importing("aiohttp: pip install aiohttp, or let kit.py run 1 --watch do it"):
     from netmq_example.tap.page import Page
@@ -43,9 +43,9 @@ NUMBERS = itertools.count(1)
 PAUSE_SECONDS = 0.1
 
 
-def tap(listener: socket.socket, server: tuple[str, int], arrows: Arrows, trouble: Trouble) -> None:
+def tap(listener: socket.socket, server: tuple[str, int], arrows: Arrows, faults: Faults) -> None:
     """Each client that comes gets a connection of its own to the server."""
-    report = Lines(show)
+    report = Trouble(show)
     while True:
         try:
             client, _ = listener.accept()
@@ -54,7 +54,7 @@ def tap(listener: socket.socket, server: tuple[str, int], arrows: Arrows, troubl
             report(f"no room for one more client: {error.strerror}")
             time.sleep(PAUSE_SECONDS)
             continue
-        link = Link(next(NUMBERS), arrows, trouble)
+        link = Link(next(NUMBERS), arrows, faults)
         threading.Thread(target=link.run, args=(client, *server), daemon=True).start()
 
 
@@ -81,10 +81,9 @@ def port_number(text: str) -> int:
 
 
 def slow_seconds(text: str) -> float:
-    seconds = option(check.seconds_or_none, text, float)
-    if seconds >= 60:
+    if (slow := seconds(text)) >= 60:
         raise argparse.ArgumentTypeError(f"it takes seconds, less than 60, not {text!r:.40}")
-    return seconds
+    return slow
 
 
 def file(text: str) -> Path:
@@ -111,23 +110,23 @@ def main() -> None:
     parser.add_argument("--title", default="", help="what stands above the picture")
     parser.add_argument("--slow", type=slow_seconds, default=0, metavar="S", help="each message is S seconds late")
     parser.add_argument("--record", type=file, metavar="FILE", help="an HTML file that shows it all again, at the end")
-    for fate in FATES:
-        parser.add_argument(f"--{fate}", type=at_least_one, metavar="N", help=f"{fate} message N")
+    for fault in FAULTS:
+        parser.add_argument(f"--{fault}", type=at_least_one, metavar="N", help=f"{fault} message N")
     options = parser.parse_args()
     if [name for name, _ in options.servers].count("endpoint") != 1:
         parser.error("one server has no name, as in: tap.py tcp://127.0.0.1:5557 snapshots=tcp://127.0.0.1:5657")
-    planned = {getattr(options, fate): fate for fate in FATES if getattr(options, fate)}
+    planned = {getattr(options, fault): fault for fault in FAULTS if getattr(options, fault)}
     arrows = Arrows()
-    trouble = Trouble(planned, slow=options.slow)
+    faults = Faults(planned, slow=options.slow)
     title = options.title or " ".join(f"{host}:{port}" for _, (host, port) in options.servers)
-    page = Page(arrows, trouble, title)
+    page = Page(arrows, faults, title)
     shown = listen("127.0.0.1", options.page)
     print(f"page at http://127.0.0.1:{shown.getsockname()[1]}/", flush=True)
     # The line that tells others that all is ready comes last.
     for name, address in sorted(options.servers, key=lambda each: each[0] == "endpoint"):
         host, port = options.endpoint if name == "endpoint" else (options.endpoint[0], 0)
         listener = listen(host, port)
-        threading.Thread(target=tap, args=(listener, address, arrows, trouble), daemon=True).start()
+        threading.Thread(target=tap, args=(listener, address, arrows, faults), daemon=True).start()
         word = "listening" if name == "endpoint" else name
         print(f"{word} on tcp://{host}:{listener.getsockname()[1]}", flush=True)
     try:

@@ -2,9 +2,8 @@
 
     from netmq_example import BackgroundClient, serve
 
-A name is loaded when it is first used; front_door.py has them all. All of them need pyzmq alone; `Array.numpy` and
-`Array.of` need numpy. Others are at doors of their own: netmq_example.envs, .sb3, .video, .camera, .security and
-.program.
+A name is loaded when it is first used. All of them need pyzmq alone; `Array.numpy` and `Array.of` need numpy. Others
+are at doors of their own: netmq_example.envs, .sb3, .video, .camera, .security and .program.
 """
 
 import importlib.util

@@ -1,22 +1,15 @@
 """More rules, as those of check.py, which no program of a lesson needs by itself.
 
-self.timeout = arguments.seconds("timeout", timeout)
+self.timeout = check.seconds("timeout", timeout)
 """
 
 import math
 from pathlib import Path
 from typing import Any, TypeVar
 
-from netmq_example.check import DAY, instance, is_number
+from netmq_example.check import instance, is_number
 
 T = TypeVar("T")
-
-
-def seconds(name: str, value: Any, least: float = 0.0) -> float:
-    """A number of seconds, more than `least` and at most a day."""
-    if is_number(value) and least < value <= DAY:
-        return float(value)
-    raise ValueError(f"{name} takes seconds, more than {least:g} and at most a day, not {value!r:.40}")
 
 
 def number(name: str, value: Any, least: float = -math.inf, most: float = math.inf) -> float:
@@ -51,14 +44,14 @@ def context(value: Any) -> Any:
 
 
 def keys(value: T, method: str = "apply", made: str = "ClientKeys(folder)") -> T:
-    """What netmq_example.security makes of a folder, or None."""
+    """The keys that netmq_example.security makes of a folder, or None."""
     if value is None or hasattr(value, method):
         return value
     raise TypeError(f"keys takes {made} of netmq_example.security, not {value!r:.40}")
 
 
 def function(name: str, value: T) -> T:
-    """Something that can be called."""
+    """The same for a function, or anything else that can be called."""
     if callable(value):
         return value
     raise TypeError(f"{name} takes a function, not {value!r:.40}")

@@ -1,4 +1,4 @@
-"""What a client's program does besides its lesson: its socket, what it says where nothing comes, and more options.
+"""A client's program does this besides its lesson: its socket, its words where nothing comes, and rarer options.
 
 options = client_options("Says Hello.", "tcp://127.0.0.1:5551", timeout=2.5).parse_args()
 with connected(zmq.REQ, options) as socket:
@@ -12,18 +12,10 @@ from collections.abc import Callable, Iterator
 
 import zmq
 
-from netmq_example import arguments, check
-from netmq_example.beacon import LOOK_UP_SECONDS as LOOK_UP_SECONDS
-from netmq_example.beacon import beacon_name
-from netmq_example.beacon import cure as cure
-from netmq_example.beacon import unknown_host as unknown_host
-from netmq_example.console import printable as printable
-from netmq_example.console import show as show
+from netmq_example import check
 from netmq_example.errors import Error, Timeout
-from netmq_example.extras import importing as importing
-from netmq_example.large import few_answers_wait as few_answers_wait
-from netmq_example.large import receive_frames as receive_frames
 from netmq_example.program import LARGEST_BYTES, SLICE_MS, Options, Socket, checked, limit, option
+from netmq_example.trouble import cure, unknown_host
 
 
 def client_options(about: str, endpoint: str, timeout: float, beacon: bool = False) -> argparse.ArgumentParser:
@@ -48,14 +40,9 @@ def client_endpoint(example: str, beacon: bool = False) -> Callable[[str], str]:
     return known
 
 
-def a_name(text: str) -> str:
-    """The name of a beacon."""
-    return option(beacon_name, text, str)
-
-
 def positive_seconds(text: str) -> float:
     """More than 0, at most a day."""
-    return option(arguments.seconds, text, float)
+    return option(check.seconds, text, float)
 
 
 def at_least_one(text: str) -> int:
@@ -65,7 +52,7 @@ def at_least_one(text: str) -> int:
 
 @contextlib.contextmanager
 def wrong_usage(parser: argparse.ArgumentParser, before: str = "", after: str = "") -> Iterator[None]:
-    """Around what makes use of options: what is wrong with them is named in one line, and the exit code is 2."""
+    """Put it around the use of options: a wrong one is named in one line, and the exit code is 2."""
     try:
         yield
     except (ValueError, Error) as error:

@@ -167,7 +167,7 @@ class BackgroundClient(OneProcess):
     def enqueue(self, text: str, within: float | None) -> Asked:
         self.check_process()
         encoded(text)
-        asked = Asked(text, time.monotonic() + (math.inf if within is None else arguments.seconds("within", within)))
+        asked = Asked(text, time.monotonic() + (math.inf if within is None else check.seconds("within", within)))
         with self.gate:
             if self.end.alive:
                 self.waiting.put(asked)
@@ -194,7 +194,7 @@ class BackgroundClient(OneProcess):
             self.calls.pop(number)[which](text)
 
     def close(self) -> None:
-        """End the threads. Whatever has no reply yet ends by Closed, and its callback runs before this returns."""
+        """End the threads. Each request without a reply ends by Closed, and its callback runs before this returns."""
         # After a fork the threads are the parent's.
         if os.getpid() != self.process_id:
             return
@@ -236,7 +236,7 @@ def ask(pirate: LazyPirate, asked: Asked, client: Client) -> None:
         if asked.until - time.monotonic() < LEAST_SECONDS and not pirate.stopped.is_set():
             raise Timeout(f"not sent to {pirate.endpoint} in time: the requests before it took too long")
         reply = pirate.request_until(asked.text, lambda: asked.until)
-    # Whatever it is, this thread goes on, and the caller gets to know.
+    # This thread goes on after any mistake, and the caller gets to know.
     except Exception as failure:
         # Of one that nobody waits for any more, nothing is to be told.
         if asked.until:

@@ -20,6 +20,9 @@ from collections.abc import Iterator
 from typing import Any
 
 from netmq_example.errors import Error
+from netmq_example.trouble import LOOK_UP_SECONDS as LOOK_UP_SECONDS
+from netmq_example.trouble import cure as cure
+from netmq_example.trouble import unknown_host as unknown_host
 
 if sys.platform != "win32":
     import fcntl
@@ -27,8 +30,6 @@ if sys.platform != "win32":
     # SIOCGIFADDR and SIOCGIFNETMASK of `man 7 netdevice`, and macOS's.
     ADDRESS_AND_MASK = (0x8915, 0x891B) if sys.platform == "linux" else (0xC0206921, 0xC0206925)
 
-# So long a name server may take, in seconds; the system itself might wait for half a minute.
-LOOK_UP_SECONDS = 3.0
 # From one question to the next, in seconds.
 ROUND = 0.5
 # From one piece of a question to the next, where the system takes no more at once.
@@ -107,7 +108,7 @@ class BeaconSearch:
         self.unasked: list[str] = []
         self.asked: set[str] = set()
 
-    def look(self, wait: float) -> str:
+    def find(self, wait: float) -> str:
         """Such as tcp://192.168.0.7:5553; an empty text if there is no answer within so many seconds."""
         if not self.name:
             return self.endpoint
@@ -162,7 +163,7 @@ class BeaconSearch:
         return f"tcp://{address}:{port}"
 
     def cure(self, otherwise: str) -> str:
-        """What to look at where nothing came: the network, as long as nobody has answered."""
+        """Says where to look when nothing came: at the network, as long as nobody has answered."""
         if not self.vain:
             return cure(self.endpoint, otherwise)
         broadcasts = [each for each in dict.fromkeys(self.broadcasts) if each in self.asked]
@@ -174,38 +175,13 @@ class BeaconSearch:
         )
 
     def close(self) -> None:
-        """The next look begins anew."""
+        """The next search begins anew."""
         if self.ear:
             self.ear.close()
         self.ear = None
         self.vain = 0
         self.unasked = []
         self.asked = set()
-
-
-def cure(endpoint: str, otherwise: str) -> str:
-    """What to look at where nothing came: the host's name, if that is unknown. libzmq itself never says so."""
-    unknown = unknown_host(endpoint)
-    return f"{unknown}: is it spelt so, and is the network there?" if unknown else otherwise
-
-
-def unknown_host(endpoint: str) -> str:
-    """What to say about a host that has no address. An empty text: it has one, or no name server says anything."""
-    scheme, _, place = endpoint.partition("://")
-    host = place.rpartition(":")[0]
-    unknown: list[str] = []
-
-    def look_up() -> None:
-        try:
-            socket.getaddrinfo(host, None)
-        except (OSError, UnicodeError):
-            unknown.append(f"unknown host '{host}'")
-
-    if scheme not in ("beacon", "ipc", "inproc"):
-        thread = threading.Thread(target=look_up, daemon=True, name="netmq_example look-up")
-        thread.start()
-        thread.join(LOOK_UP_SECONDS)
-    return "".join(unknown)
 
 
 def networks() -> dict[str, str]:

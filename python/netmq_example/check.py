@@ -12,11 +12,12 @@ T = TypeVar("T")
 DAY = 86_400
 
 
-def seconds_or_none(name: str, value: Any) -> float:
-    """A number of seconds that may be 0, at most a day."""
-    if is_number(value) and 0 <= value <= DAY:
+def seconds(name: str, value: Any, zero: bool = False) -> float:
+    """A number of seconds, at most a day, and more than 0 unless `zero` is fine as well."""
+    if is_number(value) and (0 < value <= DAY or (zero and value == 0)):
         return float(value)
-    raise ValueError(f"{name} takes seconds, 0 or more and at most a day, not {value!r:.40}")
+    least = "0 or more" if zero else "more than 0"
+    raise ValueError(f"{name} takes seconds, {least} and at most a day, not {value!r:.40}")
 
 
 def count(name: str, value: Any, least: int = 1, most: int = 2**31 - 1) -> int:

@@ -31,10 +31,11 @@ import zmq
 
 AGAIN_SECONDS = 0.01
 PYZMQ = str(Path(zmq.__file__).parent)
+MAKERS = ("socket", "__init__", "__new__")
 
 
 class Lines(io.FileIO):
-    """What a server prints. A pipe that nobody reads would soon hold the server up for ever."""
+    """A server prints by it. A pipe that nobody reads would soon hold the server up for ever."""
 
     wait_seconds = 0.5
     before: Any = None
@@ -72,7 +73,7 @@ def unhindered(stream: Any) -> Any:
 
 
 def printable(text: str, most: int = 200) -> str:
-    """What a peer sent, fit for one line of a terminal: no control characters, and so many characters at most."""
+    """A peer's text, fit for one line of a terminal: no control characters, and so many characters at most."""
     return "".join(c if c.isprintable() else "?" for c in text[:most]) + ("…" if len(text) > most else "")
 
 
@@ -83,7 +84,7 @@ def show(text: str) -> None:
 
 
 class LogLines(logging.Handler):
-    """What the package logs, as a program's own lines; a mistake in the user's code with its traceback."""
+    """The package's log as a program's own lines; a mistake in the user's code with its traceback."""
 
     def emit(self, record: logging.LogRecord) -> None:
         if record.exc_info:
@@ -101,10 +102,9 @@ def log_lines() -> None:
 
 def listen(*signals: int) -> None:
     """From now on these end the program. In another thread they stay the business of the main one."""
-    if threading.current_thread() is not threading.main_thread():
-        return
-    for number in signals:
-        signal.signal(number, interrupt)
+    if threading.current_thread() is threading.main_thread():
+        for number in signals:
+            signal.signal(number, interrupt)
 
 
 def interrupt(number: int, frame: FrameType | None) -> None:
@@ -138,9 +138,7 @@ def is_within(frame: FrameType | None) -> bool:
     """Whether pyzmq is making a context or a socket, or a line is being written."""
     while frame:
         code = frame.f_code
-        if code.co_filename.startswith(PYZMQ) and code.co_name in ("socket", "__init__", "__new__"):
-            return True
-        if code is Lines.write.__code__:
+        if code is Lines.write.__code__ or (code.co_filename.startswith(PYZMQ) and code.co_name in MAKERS):
             return True
         frame = frame.f_back
     return False

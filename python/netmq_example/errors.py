@@ -1,4 +1,4 @@
-"""What the kit raises about the other side or the network. A wrong argument stays a ValueError or a TypeError.
+"""The errors of the other side or the network. A wrong argument stays a ValueError or a TypeError.
 
     Error
       Timeout         is a TimeoutError       nothing came in time; it may have been done
@@ -13,11 +13,15 @@ All of them can be pickled. A program that ends by one prints its text, and its 
 
 
 class Error(Exception):
-    """What the kit raises about the other side or the network; its text names cause and cure."""
+    """An error of the other side or the network; its text names cause and cure."""
+
+
+# Its name in version 0.3, which ends with the next one.
+GaveUp = Error
 
 
 class Timeout(Error, TimeoutError):
-    """Nothing came in time. What was asked may have been done or not."""
+    """Nothing came in time. The request may have been carried out or not."""
 
 
 class Closed(Error):

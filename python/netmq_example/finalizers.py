@@ -1,4 +1,4 @@
-"""What tidies up behind an object that nobody has any more, also in a notebook, where Ctrl-C may come at any moment.
+"""Finalizers tidy up behind an object that nobody has any more, also in a notebook, where Ctrl-C may come any time.
 
     close = finalizer(environment, simulators.close)        a weakref.finalize: close() calls it now, and only once
 

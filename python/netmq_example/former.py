@@ -18,10 +18,19 @@ import zmq
 P = ParamSpec("P")
 T = TypeVar("T")
 
+# The names that netmq_example.program had, by the module that each has moved to.
+FROM_PROGRAM = {
+    "asking": "at_least_one client_endpoint client_options connected positive_seconds wrong_usage",
+    "console": "log_lines unhindered",
+    "extras": "importing",
+    "trouble": "cure",
+    "large": "few_answers_wait receive_frames",
+}
 
-def renamed(old: str, new: str, value: T) -> T:
+
+def renamed(old: str, new: str, value: T, level: int = 3) -> T:
     """The value that had another name."""
-    warnings.warn(f"{old} is {new} now, and ends with the next version", DeprecationWarning, stacklevel=3)
+    warnings.warn(f"{old} is {new} now, and ends with the next version", DeprecationWarning, stacklevel=level)
     return value
 
 
@@ -59,3 +68,11 @@ def moved(old: str, new: str) -> None:
     warnings.warn(f"{old} is {new} now, and ends with the next version", DeprecationWarning, stacklevel=3)
     for each in pkgutil.iter_modules(getattr(sys.modules[new], "__path__", ())):
         sys.modules[f"{old}.{each.name}"] = importlib.import_module(f"{new}.{each.name}")
+
+
+def from_program(name: str) -> Any:
+    for module, names in FROM_PROGRAM.items():
+        if name in names.split():
+            old, new = f"netmq_example.program.{name}", f"netmq_example.{module}.{name}"
+            return renamed(old, new, getattr(importlib.import_module(f"netmq_example.{module}"), name), level=4)
+    raise AttributeError(f"module 'netmq_example.program' has no attribute {name!r}")

@@ -93,7 +93,7 @@ class Journal(OneProcess):
                 sendable(reply)
                 # A mistake may be asked again. Were it written down, a flood of mistakes would drive out what was done.
                 if reply.startswith("error:"):
-                    # What it changed before would be changed once more by each retry.
+                    # Each retry would repeat its changes so far.
                     self.db.rollback()
                     return reply
                 self.db.execute("INSERT INTO journal (id, reply) VALUES (?, ?)", (request_id, reply))

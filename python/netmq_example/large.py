@@ -1,10 +1,10 @@
-"""What a server of large messages does besides: it copies no frame, and keeps few answers."""
+"""A server of large messages does this besides: it copies no frame, and keeps few answers."""
 
 import math
 
 import zmq
 
-from netmq_example.program import Context, Socket, next_message
+from netmq_example.program import Context, Socket, receive
 
 
 def few_answers_wait(context: Context, socket: Socket) -> None:
@@ -14,4 +14,4 @@ def few_answers_wait(context: Context, socket: Socket) -> None:
 
 def receive_frames(socket: Socket, timeout: float = math.inf) -> list[zmq.Frame]:
     """Those of `receive`, not copied into bytes: for large frames, and where it counts who sent one."""
-    return next_message(lambda: socket.recv_multipart(copy=False), timeout)
+    return receive(socket, timeout, copy=False)

@@ -23,7 +23,7 @@ from netmq_example.errors import Closed, Refused, Timeout
 from netmq_example.former import positional
 from netmq_example.one_process import Keys, OneProcess, one_at_a_time
 from netmq_example.program import Context, Socket, encoded, limit, text_of
-from netmq_example.retries import longer, tried
+from netmq_example.trouble import longer, tried
 
 # The longest wait in one piece, in milliseconds: between two of them stop() is noticed and, on Windows, Ctrl-C.
 SLICE_MS = 50
@@ -52,7 +52,7 @@ class LazyPirate(OneProcess):
         """
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5552", beacon=True)
         self.search = BeaconSearch(endpoint)
-        self.timeout = arguments.seconds("timeout", timeout)
+        self.timeout = check.seconds("timeout", timeout)
         self.tries = check.count("tries", tries)
         self.keys = arguments.keys(keys)
         self.context = arguments.context(context)
@@ -69,7 +69,7 @@ class LazyPirate(OneProcess):
         All tries together take at most `within` seconds. Timeout: no try was answered, but it may be done.
         MessageError: it is too long. Closed: stop() or close() ended it.
         """
-        end = time.monotonic() + (math.inf if within is None else arguments.seconds("within", within))
+        end = time.monotonic() + (math.inf if within is None else check.seconds("within", within))
         return self.request_until(text, lambda: end)
 
     @one_at_a_time
@@ -133,7 +133,7 @@ class LazyPirate(OneProcess):
     def connected(self, end: float) -> Socket:
         """zmq.Again if it is not known by then where the server is."""
         if not self.socket:
-            while not (where := self.search.look(SLICE_MS / 1000)):
+            while not (where := self.search.find(SLICE_MS / 1000)):
                 if self.stopped.is_set() or time.monotonic() > end:
                     raise zmq.Again
             self.socket = self.context.socket(zmq.REQ)
@@ -160,7 +160,7 @@ class LazyPirate(OneProcess):
 
 
 def refused(reply: str) -> Refused | None:
-    """What a text of the lessons' servers that begins with `error:` says, or None for another one."""
+    """The error in a text of the lessons' servers that begins with `error:`, or None for another text."""
     return Refused("error", reply[6:].strip()) if reply.startswith("error:") else None
 
 

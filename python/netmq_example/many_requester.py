@@ -20,13 +20,12 @@ from typing import NamedTuple
 import zmq
 
 from netmq_example import arguments, check
-from netmq_example.asking import cure
 from netmq_example.errors import Error, MessageError, Timeout
 from netmq_example.former import positional
 from netmq_example.lazy_pirate import refused
 from netmq_example.one_process import Keys, OneProcess, one_at_a_time
 from netmq_example.program import LARGEST_BYTES, Context, limit, text_of
-from netmq_example.retries import longer, tried
+from netmq_example.trouble import cure, longer, tried
 
 # The deadlines are checked this often. Shorter would cost more. Longer, and Ctrl-C would have to wait on Windows.
 SLICE_SECONDS = 0.05
@@ -37,7 +36,7 @@ log = logging.getLogger("netmq_example.client")
 
 
 class Outcome(NamedTuple):
-    """What became of a request, which is the first one where `number` is 1.
+    """The outcome of a request, which is the first one where `number` is 1.
 
     `reply` is the text as it came. `error` is None, or says why there is no reply; for one that begins with `error:`
     it is Refused.
@@ -80,7 +79,7 @@ class ManyRequester(OneProcess):
         self.context: Context = arguments.context(context)
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5556")
         self.window = check.count("window", window)
-        self.timeout = arguments.seconds("timeout", timeout)
+        self.timeout = check.seconds("timeout", timeout)
         self.tries = check.count("tries", tries)
         self.keys = arguments.keys(keys)
         self.report = log.warning

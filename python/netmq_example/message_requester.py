@@ -18,7 +18,7 @@ from netmq_example.lazy_pirate import PAUSE_SECONDS
 from netmq_example.messages import LIMIT, Message
 from netmq_example.one_process import Keys, OneProcess, one_at_a_time
 from netmq_example.program import SLICE_MS, Context, Socket, limit
-from netmq_example.retries import longer, tried
+from netmq_example.trouble import longer, tried
 
 log = logging.getLogger("netmq_example.client")
 
@@ -41,7 +41,7 @@ class MessageRequester(OneProcess):
         """
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5555", beacon=True)
         self.search = BeaconSearch(endpoint)
-        self.timeout = arguments.seconds("timeout", timeout)
+        self.timeout = check.seconds("timeout", timeout)
         self.tries = check.count("tries", tries)
         self.keys = arguments.keys(keys)
         self.context: Context = arguments.context(context)
@@ -92,7 +92,7 @@ class MessageRequester(OneProcess):
         return received
 
     def connect(self, end: float) -> None:
-        where = self.search.look(max(0.0, end - time.monotonic()))
+        where = self.search.find(max(0.0, end - time.monotonic()))
         if where:
             self.socket = self.context.socket(zmq.REQ)
             # Above LIMIT a reply is refused by name. Above four times as much libzmq takes no more of it and hangs up.

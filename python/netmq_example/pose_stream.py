@@ -24,11 +24,11 @@ from typing import NamedTuple
 import zmq
 
 from netmq_example import arguments, check
-from netmq_example.asking import cure
 from netmq_example.errors import Error, Timeout
 from netmq_example.former import positional
 from netmq_example.one_process import Keys, OneProcess
 from netmq_example.program import SLICE_MS, Context, Socket, encoded, limit
+from netmq_example.trouble import cure
 
 # After so much silence a subscriber asks for a snapshot: the message that was lost may have been the last one.
 SILENCE_SECONDS = 1.0
@@ -139,7 +139,7 @@ class PoseSubscriber(OneProcess):
         """
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5557")
         self.snapshots = check.endpoint(snapshots or snapshots_beside(endpoint), "tcp://127.0.0.1:5657")
-        self.timeout = arguments.seconds("timeout", timeout)
+        self.timeout = check.seconds("timeout", timeout)
         self.own_stream = stream is None
         stream = arguments.context(context).socket(zmq.SUB) if stream is None else stream
         self.stream: Socket = arguments.blocking("stream", stream, zmq.Socket)
@@ -166,7 +166,7 @@ class PoseSubscriber(OneProcess):
         Timeout: the publisher is gone. Error: what answers there gives no snapshots.
         """
         self.check_process()
-        timeout = self.timeout if timeout is None else arguments.seconds("timeout", timeout)
+        timeout = self.timeout if timeout is None else check.seconds("timeout", timeout)
         end = time.monotonic() + 1
         while time.monotonic() < end:
             message = take(self.stream, SILENCE_SECONDS)

@@ -1,4 +1,4 @@
-"""What every program of this kit does besides its lesson: options, limits, the ready line, Ctrl-C. It needs only pyzmq.
+"""Every program of this kit has this besides its lesson: options, limits, the ready line, Ctrl-C. It needs only pyzmq.
 
     def main() -> None:
         options = server_options(__doc__, "tcp://127.0.0.1:5551").parse_args()
@@ -14,7 +14,6 @@ A client has asking.py besides. Shared/NetMQConnection.cs is the C# version of b
 import argparse
 import contextlib
 import functools
-import importlib
 import io
 import math
 import os
@@ -24,7 +23,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import zmq
 
@@ -41,7 +40,7 @@ T = TypeVar("T")
 SLICE_MS = 200
 # The largest frame of a text message, in bytes. A peer that announces a larger one is disconnected before it arrives.
 LARGEST_BYTES = 65_536
-# What waits on a connection to be read, or two messages: ZeroMQ itself counts only messages, up to 1000.
+# So many bytes, or two messages, may wait on a connection to be read: ZeroMQ itself counts only messages, up to 1000.
 WAITING_BYTES = 64 * 1024 * 1024
 # No program of this kit needs more open files; and with fewer than the least libzmq ends it without a word of ours.
 MOST_FILES = 8192
@@ -55,13 +54,13 @@ class Options(argparse.ArgumentParser):
     """In a thread of another program, or in a notebook, a server has its defaults: the words are that program's."""
 
     def parse_args(self, words: Any = None, namespace: Any = None) -> Any:
-        # A notebook has no file, and the words are those of its kernel. What python -c runs has its own.
+        # A notebook has no file, and the words are those of its kernel. A program of python -c has its own.
         is_program = hasattr(sys.modules["__main__"], "__file__") or sys.argv[:1] == ["-c"]
         if words is None and not (is_program and threading.current_thread() is threading.main_thread()):
             words = []
         found = super().parse_args(words, namespace)
         if getattr(found, "until_eof", False):
-            from netmq_example.until_eof import at_eof
+            from netmq_example.trouble import at_eof
 
             threading.Thread(target=at_eof, daemon=True).start()
         return found
@@ -78,14 +77,16 @@ def server_options(about: str | None, endpoint: str) -> argparse.ArgumentParser:
 
 
 def beacon(text: str) -> Callable[[str], contextlib.AbstractContextManager[None]]:
-    from netmq_example.beacon import answering, beacon_name
-
+    try:
+        from netmq_example.beacon import answering, beacon_name
+    except ModuleNotFoundError:
+        raise argparse.ArgumentTypeError("this copy lacks it: kit.py copy netmq_example.beacon FOLDER") from None
     return functools.partial(answering, option(beacon_name, text, str))
 
 
 def seconds(text: str) -> float:
     """From 0 to a day."""
-    return option(check.seconds_or_none, text, float)
+    return option(lambda name, value: check.seconds(name, value, zero=True), text, float)
 
 
 def whole(text: str) -> int:
@@ -113,10 +114,7 @@ def checked(text: str, example: str, lowest_port: int, beacon: bool = False) -> 
     # With a scheme of its own libzmq would be asked: a program has only what its example has.
     if not text.startswith((example.partition("//")[0], "beacon:")):
         raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like {example}")
-    try:
-        return check.endpoint(text, example, lowest_port, beacon)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
+    return option(lambda _, value: check.endpoint(value, example, lowest_port, beacon), text, str)
 
 
 @contextlib.contextmanager
@@ -182,20 +180,16 @@ def limit(socket: Socket, largest: int = LARGEST_BYTES) -> None:
     """The limits of every socket: what nobody fetched goes at the end, and neither a frame nor many fill the memory."""
     socket.linger = 0
     socket.maxmsgsize = largest
-    if largest > LARGEST_BYTES:
-        socket.rcvhwm = max(2, WAITING_BYTES // largest)
+    # ZeroMQ's own count is 1000.
+    socket.rcvhwm = min(1000, max(2, WAITING_BYTES // largest))
 
 
-def receive(socket: Socket, timeout: float = math.inf) -> list[bytes]:
+def receive(socket: Socket, timeout: float = math.inf, copy: bool = True) -> list[Any]:
     """The frames of the next message; zmq.Again if none comes within `timeout` seconds."""
-    return next_message(socket.recv_multipart, timeout)
-
-
-def next_message(recv_multipart: Callable[[], list[T]], timeout: float) -> list[T]:
     end = time.monotonic() + timeout
     while True:
         try:
-            return recv_multipart()
+            return list(socket.recv_multipart(0, copy))
         except zmq.Again:
             if time.monotonic() >= end:
                 raise
@@ -232,7 +226,7 @@ def reply_to(answer: Callable[[str], str], request: bytes) -> bytes:
 
 
 def sendable(text: str) -> bytes:
-    """What `answer` has returned, in UTF-8. Misfit says why it cannot be sent, which may lie in the request."""
+    """The answer in UTF-8. Misfit says why it cannot be sent, which may lie in the request."""
     if not isinstance(text, str):
         raise Misfit(f"answer returned {text!r:.40}: return a text")
     try:
@@ -252,11 +246,10 @@ def more_files() -> int:
     now, most = resource.getrlimit(resource.RLIMIT_NOFILE)
     wanted = most if 0 < most < MOST_FILES else MOST_FILES
     if 0 < now < wanted:
-        try:
+        # Where it cannot be raised, it stays as it is.
+        with contextlib.suppress(ValueError, OSError):
             resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, most))
-        except (ValueError, OSError):
-            # Where it cannot be raised, it stays as it is.
-            return now
+        return resource.getrlimit(resource.RLIMIT_NOFILE)[0]
     return wanted
 
 
@@ -292,8 +285,15 @@ def run(main: Callable[[], None], stopped: str | None = None) -> None:
         raise SystemExit(f"failed: {error}") from None
 
 
-def __getattr__(name: str) -> Any:
-    # The names of clients and of large messages are loaded when they are used. Each import asks for __path__.
-    if name.startswith("__"):
-        raise AttributeError(name)
-    return getattr(importlib.import_module("netmq_example.asking"), name)
+# Hidden from a type checker, to which any name would exist.
+if not TYPE_CHECKING:
+
+    def __getattr__(name):
+        # Each import asks for __path__.
+        if name.startswith("__"):
+            raise AttributeError(name)
+        try:
+            from netmq_example.former import from_program
+        except ModuleNotFoundError:
+            raise AttributeError(name) from None
+        return from_program(name)

@@ -19,7 +19,7 @@ from netmq_example.program import reply_to as reply_to
 
 
 def id_and_text(frames: list[bytes]) -> tuple[list[bytes], bytes, bytes]:
-    """What a ROUTER received of [id][text], apart: the way back with the id, the id, and the text.
+    """A ROUTER's message of [id][text], apart: the way back with the id, the id, and the text.
 
     The way ends with REQ's empty frame, and is longer through brokers; a DEALER has only its name. What is one frame
     alone, or more than two, has no id, and its text is that of all of them, with a blank between.

@@ -261,7 +261,7 @@ class Server(OneProcess):
 
 
 class ServerOptions(TypedDict, total=False):
-    """What serve() takes as Server does."""
+    """serve() takes these as Server does."""
 
     messages: bool
     workers: int

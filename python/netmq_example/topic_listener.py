@@ -56,7 +56,7 @@ class TopicListener(OneProcess):
         """
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5553", beacon=True)
         self.topic = check.instance("topic", topic, str)
-        self.timeout = check.seconds_or_none("timeout", timeout)
+        self.timeout = check.seconds("timeout", timeout, zero=True)
         high_watermark = check.count("high_watermark", high_watermark, least=0)
         self.largest = check.count("largest", largest)
         self.keys = arguments.keys(keys)
@@ -80,7 +80,7 @@ class TopicListener(OneProcess):
         socket.heartbeat_ivl = HEARTBEAT_MS
         socket.heartbeat_timeout = HEARTBEAT_TIMEOUT_MS
         socket.subscribe(topic.encode(errors="replace"))
-        self.look()
+        self.find_server()
 
     def __iter__(self) -> Iterator[str]:
         """The text of each message until stop() or close(). Timeout if none comes."""
@@ -98,7 +98,7 @@ class TopicListener(OneProcess):
     def receive_frames(self, timeout: float | None = None) -> list[bytes]:
         """The same with its frames as they came, such as a topic and a picture."""
         self.check_process()
-        timeout = self.timeout if timeout is None else check.seconds_or_none("timeout", timeout)
+        timeout = self.timeout if timeout is None else check.seconds("timeout", timeout, zero=True)
         arguments.not_closed("this listener's socket", self.socket)
         start = time.monotonic()
         renew = RENEW_SECONDS
@@ -106,7 +106,7 @@ class TopicListener(OneProcess):
             if self.stopped.is_set():
                 raise Closed("the listener was stopped")
             if self.looking:
-                self.look()
+                self.find_server()
             try:
                 frames = self.socket.recv_multipart()
                 self.heard = True
@@ -123,9 +123,9 @@ class TopicListener(OneProcess):
                 self.looking = True
                 renew *= 3
 
-    def look(self) -> None:
+    def find_server(self) -> None:
         """Connect to where the publisher is. It does not wait for that: whoever receives comes again."""
-        where = self.search.look(0)
+        where = self.search.find(0)
         if not where:
             return
         self.looking = False

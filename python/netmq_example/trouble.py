@@ -1,21 +1,28 @@
-"""Mistakes, in a line a second at most: many messages that are wrong must not fill a disk.
+"""Trouble: a server loads this only when there is some, and a client also for its retries.
 
     report = Trouble(log.warning)
     report("unknown channel")                      logs: trouble: unknown channel (and 300 more)
 
-The servers of lessons 09 to 11 report by it, and so do lesson 13's managers and carriers. In C# it is Trouble.cs.
+Many messages that are wrong must not fill a disk, so a mistake is a line a second at most. The servers of lessons 09 to
+11 report by it, and so do lesson 13's managers and carriers. In C# it is Trouble.cs.
 """
 
 import logging
+import os
+import signal
+import socket
 import threading
 import time
 import traceback
 from collections.abc import Callable
 
+from netmq_example import console
 from netmq_example.console import printable
 from netmq_example.errors import Misfit
 
 PAUSE_SECONDS = 1.0
+# So long a name server may take, in seconds; the system itself might wait for half a minute.
+LOOK_UP_SECONDS = 3.0
 log = logging.getLogger("netmq_example.server")
 
 
@@ -76,3 +83,52 @@ def told(error: BaseException) -> str:
 
 # In characters. A longer reply than the limit would be dropped by the client, with the connection.
 LONGEST_MISTAKE = 1000
+
+
+def cure(endpoint: str, otherwise: str) -> str:
+    """Says where to look when nothing came: at the host's name, if that is unknown. libzmq itself never says so."""
+    unknown = unknown_host(endpoint)
+    return f"{unknown}: is it spelt so, and is the network there?" if unknown else otherwise
+
+
+def unknown_host(endpoint: str) -> str:
+    """The line about a host that has no address. An empty text: it has one, or no name server says anything."""
+    scheme, _, place = endpoint.partition("://")
+    host = place.rpartition(":")[0]
+    unknown: list[str] = []
+
+    def look_up() -> None:
+        try:
+            socket.getaddrinfo(host, None)
+        except (OSError, UnicodeError):
+            unknown.append(f"unknown host '{host}'")
+
+    if scheme not in ("beacon", "ipc", "inproc"):
+        thread = threading.Thread(target=look_up, daemon=True, name="netmq_example look-up")
+        thread.start()
+        thread.join(LOOK_UP_SECONDS)
+    return "".join(unknown)
+
+
+def tried(count: int) -> str:
+    """How often, in words."""
+    return "1 try" if count == 1 else f"{count} tries"
+
+
+def longer(first: float, tries: int) -> float:
+    """How long to wait after so many tries in vain: each time twice as long, up to 8 times the first.
+
+    A new connection takes several round trips. On a slow line only a longer wait ever succeeds.
+    """
+    return first * 2.0 ** min(tries, 3)
+
+
+def at_eof() -> None:
+    """Ctrl-C, as soon as nobody can write to standard input: who started this program closed it, or is gone."""
+    try:
+        while os.read(0, 4096):
+            pass
+    except OSError:
+        # There is none.
+        pass
+    console.again(signal.SIGINT)

@@ -246,7 +246,7 @@ def test_no_binary_and_no_path_of_somebodys_machine_is_in_the_repository():
 
 
 # What is a program itself, or a process of its own; and the reports of Python's own.
-ENDING = {"__init__", "asking", "console", "finalizers", "launched", "program", "keys", "workers"}
+ENDING = {"__init__", "asking", "console", "finalizers", "program", "keys", "launch", "workers"}
 ENDS = {"print", "sys.exit", "os._exit", "signal.signal", "traceback.print_exc"}
 
 

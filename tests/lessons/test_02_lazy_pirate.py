@@ -320,7 +320,7 @@ def test_what_a_client_sends_is_printed_without_harm(serve, journal, context):
 
 
 def test_a_journal_refuses_what_it_could_not_keep(journal, caplog, monkeypatch):
-    monkeypatch.setattr("netmq_example.replies.again", {})
+    monkeypatch.setattr("netmq_example.trouble.again", {})
     for path in (None, 0, 5):
         with pytest.raises(TypeError, match=r"^path takes a str"):
             Journal(path)

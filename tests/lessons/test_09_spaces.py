@@ -46,8 +46,11 @@ from netmq_example.scene.simulator import Simulator  # noqa: E402
 from netmq_example.wire import trees  # noqa: E402
 from netmq_example.wire.records import ASKS, RESET, STEP, Record, read, seeds  # noqa: E402
 from netmq_example.wire.space_bytes import Bytes  # noqa: E402
-from netmq_example.wire.space_numbers import misfit  # noqa: E402
-from netmq_example.wire.spaces import described, space_of  # noqa: E402
+from netmq_example.wire.spaces import (  # noqa: E402
+    described,
+    misfit,
+    space_of,
+)
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 
 GOLDEN = json.loads((ROOT / "tests" / "lessons" / "golden" / "09_environment.json").read_text(encoding="utf-8"))

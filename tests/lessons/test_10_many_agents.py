@@ -28,7 +28,7 @@ from pettingzoo.utils.conversions import parallel_to_aec  # noqa: E402
 KEY, AREAS = "10_many_agents", 4
 sys.path.append(str(ROOT / "python" / KEY))
 from netmq_example.envs import ZmqParallelEnv  # noqa: E402
-from netmq_example.envs.launch import game  # noqa: E402
+from netmq_example.launch import game  # noqa: E402
 from netmq_example.messages import Message, MessageError  # noqa: E402
 from netmq_example.scene.agents import AgentSimulator  # noqa: E402
 from netmq_example.scene.areas import AreaSimulator  # noqa: E402

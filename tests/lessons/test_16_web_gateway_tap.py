@@ -25,7 +25,7 @@ LESSON = ROOT / "python" / "16_web_gateway"
 aiohttp = pytest.importorskip("aiohttp", reason="the tap needs aiohttp: pip install aiohttp")
 from netmq_example.tap.arrows import BEGIN, END, MOST_ARROWS, MOST_BYTES, Arrows  # noqa: E402
 from netmq_example.tap.page import Page  # noqa: E402
-from netmq_example.tap.passing import Link, Trouble  # noqa: E402
+from netmq_example.tap.passing import Faults, Link  # noqa: E402
 from netmq_example.tap.zmtp import GREETING, NotZeroMQ, Piece, mechanism, socket_type, take  # noqa: E402
 
 HELLO = b"\xff" + bytes(8) + b"\x7f\x03\x01NULL".ljust(GREETING - 9, b"\0")
@@ -107,7 +107,7 @@ def test_more_clients_than_files_may_be_open_keep_nobody_out_for_ever(serve, sta
 
 
 @contextlib.contextmanager
-def tapped(server, arrows, trouble):
+def tapped(server, arrows, faults):
     """A tap in this process: its endpoint for clients."""
     host, port = server.removeprefix("tcp://").split(":")
     with socket.create_server(("127.0.0.1", 0)) as listener:
@@ -115,7 +115,7 @@ def tapped(server, arrows, trouble):
         def accept():
             with contextlib.suppress(OSError):
                 for number in itertools.count(1):
-                    run = Link(number, arrows, trouble).run
+                    run = Link(number, arrows, faults).run
                     threading.Thread(target=run, args=(listener.accept()[0], host, int(port)), daemon=True).start()
 
         threading.Thread(target=accept, daemon=True).start()
@@ -131,7 +131,7 @@ def line():
 
         def line(server, planned=None, slow=0):
             arrows = Arrows()
-            return taps.enter_context(tapped(server, arrows, Trouble(planned or {}, slow=slow))), arrows
+            return taps.enter_context(tapped(server, arrows, Faults(planned or {}, slow=slow))), arrows
 
         yield line
 
@@ -157,10 +157,10 @@ def pair(context, line, kinds, **how):
 
 
 @pytest.mark.parametrize(
-    ("fate", "seen"), [("drop", b"13"), ("cut", b"13"), ("double", b"1223"), ("delay", b"123"), ("slow", b"123")]
+    ("fault", "seen"), [("drop", b"13"), ("cut", b"13"), ("double", b"1223"), ("delay", b"123"), ("slow", b"123")]
 )
-def test_what_trouble_makes_of_the_second_message(fate, seen, context, line):
-    how = {"slow": 0.3} if fate == "slow" else {"planned": {2: fate}}
+def test_what_trouble_makes_of_the_second_message(fault, seen, context, line):
+    how = {"slow": 0.3} if fault == "slow" else {"planned": {2: fault}}
     pull, push, endpoint, arrows = pair(context, line, (zmq.PULL, zmq.PUSH), **how)
     with pull, push:
         push.connect(endpoint)
@@ -168,16 +168,16 @@ def test_what_trouble_makes_of_the_second_message(fate, seen, context, line):
         assert pull.recv() == b"1"
         begin = time.monotonic()
         push.send(b"2")
-        if fate == "cut":
+        if fault == "cut":
             until(arrows, "closed")
         push.send(b"3")
         found = b"1"
         while not found.endswith(b"3"):
             found += pull.recv()
         assert found == seen
-        assert time.monotonic() - begin > {"slow": 0.59, "delay": 0.99}.get(fate, 0)
-    if fate != "slow":
-        assert until(arrows, fate).piece.frames == [b"2"]
+        assert time.monotonic() - begin > {"slow": 0.59, "delay": 0.99}.get(fault, 0)
+    if fault != "slow":
+        assert until(arrows, fault).piece.frames == [b"2"]
 
 
 def test_identities_and_subscriptions_stay_the_clients_own(context, line):
@@ -396,29 +396,29 @@ def test_a_client_that_knocks_in_vain_makes_no_flood():
 
 
 def test_what_is_no_wish_of_the_page_changes_nothing():
-    trouble = Trouble()
+    faults = Faults()
     slow = [f'{{"slow": {slow}}}' for slow in ("NaN", -1, '"x"', "9" * 400, 10.5)]
-    for text in ("", "[]", "7", "[" * 999, '{"fate": "drop"}', '{"way": "up"}', *slow):
-        Page(Arrows(), trouble, "").ask(text)
-        assert (trouble.asked, trouble.slow) == ("", 0), text
-    Page(Arrows(), trouble, "").ask('{"fate": "cut", "way": "down"}')
-    assert (trouble.asked, trouble.way) == ("cut", "down")
+    for text in ("", "[]", "7", "[" * 999, '{"fault": "drop"}', '{"way": "up"}', *slow):
+        Page(Arrows(), faults, "").ask(text)
+        assert (faults.asked, faults.slow) == ("", 0), text
+    Page(Arrows(), faults, "").ask('{"fault": "cut", "way": "down"}')
+    assert (faults.asked, faults.way) == ("cut", "down")
 
 
 def test_what_cannot_be_is_named_at_once():
     for name, attempt in [
-        ("slow", lambda: Trouble(slow=float("nan"))),
-        ("planned", lambda: Trouble([1])),
-        ("asked", lambda: Trouble(asked="lose")),
-        ("way", lambda: Trouble(way="left")),
-        ("a planned message", lambda: Trouble({0: "drop"})),
-        ("a planned fate", lambda: Trouble({1: ""})),
-        ("fate", lambda: Trouble().ask(None, "up")),
-        ("fate", lambda: Trouble().ask("drop", "left")),
-        ("number", lambda: Link(0, Arrows(), Trouble())),
-        ("arrows", lambda: Link(1, None, Trouble())),
-        ("trouble", lambda: Page(Arrows(), None, "")),
-        ("title", lambda: Page(Arrows(), Trouble(), None)),
+        ("slow", lambda: Faults(slow=float("nan"))),
+        ("planned", lambda: Faults([1])),
+        ("asked", lambda: Faults(asked="lose")),
+        ("way", lambda: Faults(way="left")),
+        ("a planned message", lambda: Faults({0: "drop"})),
+        ("a planned fault", lambda: Faults({1: ""})),
+        ("fault", lambda: Faults().ask(None, "up")),
+        ("fault", lambda: Faults().ask("drop", "left")),
+        ("number", lambda: Link(0, Arrows(), Faults())),
+        ("arrows", lambda: Link(1, None, Faults())),
+        ("faults", lambda: Page(Arrows(), None, "")),
+        ("title", lambda: Page(Arrows(), Faults(), None)),
         ("way", lambda: Arrows().add(1, "left", None)),
         ("piece", lambda: Arrows().add(1, "up", b"")),
         ("most", lambda: Arrows().after(0, -1)),
@@ -429,10 +429,10 @@ def test_what_cannot_be_is_named_at_once():
 
 
 def test_trouble_meets_one_message_also_from_many_threads():
-    trouble, met = Trouble(), []
-    trouble.ask("drop", "down")
-    assert trouble.of_next("up") == ""
-    threads = [threading.Thread(target=lambda: met.append(trouble.of_next("down"))) for _ in range(20)]
+    faults, met = Faults(), []
+    faults.ask("drop", "down")
+    assert faults.of_next("up") == ""
+    threads = [threading.Thread(target=lambda: met.append(faults.of_next("down"))) for _ in range(20)]
     for thread in threads:
         thread.start()
     for thread in threads:

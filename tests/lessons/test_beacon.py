@@ -195,9 +195,9 @@ def test_a_beacon_answers_its_own_question_and_nothing_else():
 def test_a_search_begins_anew_after_an_answer():
     port = free_port()
     search = BeaconSearch(f"beacon://lab:{port}")
-    assert search.look(0) == "" and search.cure("x") != "x"
+    assert search.find(0) == "" and search.cure("x") != "x"
     for _ in range(2):
         with answering("lab", f"tcp://0.0.0.0:{port}"):
-            assert search.look(LIMIT) == f"tcp://127.0.0.1:{port}"
+            assert search.find(LIMIT) == f"tcp://127.0.0.1:{port}"
         assert search.cure("x") == "x"
-    assert BeaconSearch("tcp://here:1").look(0) == "tcp://here:1"
+    assert BeaconSearch("tcp://here:1").find(0) == "tcp://here:1"

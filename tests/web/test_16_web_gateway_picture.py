@@ -21,7 +21,7 @@ from tests.programs import LIMIT, ROOT, finds_processes
 pytest.importorskip("aiohttp", reason="the tap needs aiohttp: pip install aiohttp")
 from netmq_example.tap.arrows import BEGIN, END, Arrows, recording
 from netmq_example.tap.page import Page
-from netmq_example.tap.passing import Trouble
+from netmq_example.tap.passing import Faults
 from tests.lessons.test_16_web_gateway_tap import tapped
 
 # One browser for all, and pages that need the processor for themselves.
@@ -42,10 +42,10 @@ def tap():
             for each in (server, client):
                 each.linger = each.sndhwm = each.rcvhwm = 0
                 each.rcvtimeo = int(1000 * LIMIT)
-            arrows, trouble = Arrows(), Trouble()
+            arrows, faults = Arrows(), Faults()
             place = f"tcp://127.0.0.1:{server.bind_to_random_port('tcp://127.0.0.1')}"
-            client.connect(stack.enter_context(tapped(place, arrows, trouble)))
-            return server, client, stack.enter_context(shown(Page(arrows, trouble, title)))
+            client.connect(stack.enter_context(tapped(place, arrows, faults)))
+            return server, client, stack.enter_context(shown(Page(arrows, faults, title)))
 
         yield tap
 
@@ -90,8 +90,8 @@ def test_each_message_is_an_arrow_and_one_is_dropped_as_the_page_asks(tap, open_
     assert re.fullmatch(r"\d+\.\d{3} s, to the client, .*World, \d+ B, connection 1", said)
     seen.wait_for("document.querySelector('#trips').innerText.includes('of 2 that were drawn')")
     seen.evaluate("document.querySelector('#way').value = 'down'")
-    seen.click("[data-fate=drop]")
-    seen.wait_for("document.querySelector('[data-fate=drop]').getAttribute('aria-pressed') === 'true'")
+    seen.click("[data-fault=drop]")
+    seen.wait_for("document.querySelector('[data-fault=drop]').getAttribute('aria-pressed') === 'true'")
     ask(b"again", b"World", lost=True)
     seen.wait_for(f"{ARROWS}.length === 6")
     ask(b"and again", b"World")
@@ -99,7 +99,7 @@ def test_each_message_is_an_arrow_and_one_is_dropped_as_the_page_asks(tap, open_
     classes = seen.evaluate(f"{ARROWS}.map(each => each.className.trim())")
     assert classes[4:] == ["arrow up", "arrow down drop", "arrow up", "arrow down"]
     assert "dropped" in seen.text(".drop .label")
-    assert seen.evaluate("document.querySelector('[data-fate=drop]').getAttribute('aria-pressed')") == "false"
+    assert seen.evaluate("document.querySelector('[data-fault=drop]').getAttribute('aria-pressed')") == "false"
     assert seen.errors == seen.said == []
 
 
@@ -309,5 +309,5 @@ def test_run_watch_opens_the_page_and_then_starts_the_client(start, tmp_path, op
     assert kit.stop(signal.SIGINT) == 0, kit.output
     seen.wait_for("document.querySelector('#state').innerText === 'the tap has ended'")
     assert seen.evaluate("document.querySelector('#state').getAttribute('role')") == "status"
-    assert seen.evaluate("document.querySelector('[data-fate=cut]').disabled")
+    assert seen.evaluate("document.querySelector('[data-fault=cut]').disabled")
     assert seen.evaluate(TEXTS) == [["up", "Hello"], ["down", "World"]] * 2

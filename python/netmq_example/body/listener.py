@@ -86,7 +86,7 @@ class BodyListener(OneProcess):
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5570", beacon=True)
         if not re.fullmatch(TOPIC, arguments.text("topic", topic)):
             raise ValueError(f"topic takes pose/0/, hand/left/ or hand/right/, not {topic!r:.40}")
-        self.timeout = arguments.seconds("timeout", timeout)
+        self.timeout = check.seconds("timeout", timeout)
         self.listener = TopicListener(endpoint, topic, socket=socket, context=context)
         # The newest pose's, and how many were passed over for newer ones.
         self.number = 0
@@ -99,7 +99,7 @@ class BodyListener(OneProcess):
 
     def receive(self, timeout: float | None = None) -> BodyPose:
         """The next pose. Timeout if none comes within so many seconds, or the listener's own."""
-        timeout = self.timeout if timeout is None else arguments.seconds("timeout", timeout)
+        timeout = self.timeout if timeout is None else check.seconds("timeout", timeout)
         end = time.monotonic() + timeout
         pose = parse(self.listener.newest(timeout))
         while not pose:

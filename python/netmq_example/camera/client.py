@@ -28,7 +28,7 @@ from netmq_example.former import positional
 from netmq_example.messages import EXACT, LIMIT, Message
 from netmq_example.one_process import OneProcess
 from netmq_example.program import SLICE_MS, Context, Socket, limit
-from netmq_example.retries import longer
+from netmq_example.trouble import longer
 
 log = logging.getLogger("netmq_example.client")
 
@@ -80,7 +80,7 @@ class DriverClient(OneProcess):
         # The message that waits until the server is found, and where that is.
         self.unsent: list[Any] = []
         self.where = ""
-        self.timeout = arguments.seconds("timeout", timeout)
+        self.timeout = check.seconds("timeout", timeout)
         self.tries = check.count("tries", tries)
         self.context: Context = arguments.context(context)
         self.report = log.warning
@@ -114,7 +114,7 @@ class DriverClient(OneProcess):
 
     def flush(self, socket: Socket, wait: float) -> None:
         if not self.where:
-            self.where = self.search.look(wait)
+            self.where = self.search.find(wait)
             if not self.where:
                 return
             socket.connect(self.where)

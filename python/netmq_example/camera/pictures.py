@@ -45,7 +45,7 @@ MOST_PARTS = 200
 MOST_PIXELS = 65_500
 # Pillow's opinion of a peer's file does not belong into this terminal.
 warnings.filterwarnings("ignore", module="PIL")
-# What may stand before the first scan, each with its length: sizes, tables, notes of applications, comments. The kinds
+# These may stand before the first scan, each with its length: sizes, tables, notes of applications, comments. The kinds
 # of JPEG that no camera writes are left out: some are ten times as slow to decode.
 PART = re.compile(rb"\xff[\xc0-\xc2\xc4\xdb-\xef\xfe](..)", re.DOTALL)
 

@@ -9,11 +9,25 @@ from gymnasium.spaces import Space
 
 from netmq_example.messages import Array, Message, MessageError, take
 from netmq_example.wire import trees
-from netmq_example.wire.named import write_dict
-from netmq_example.wire.spaces import space_of
+from netmq_example.wire.spaces import space_of, write_dict
 
 # At most of a dict that a reset takes, in bytes; a state of a million numbers fits.
 LONGEST_OPTIONS = 16 * 1024 * 1024
+# gymize's words, each with what is written today.
+GYMIZES = {
+    "agent_names": "several agents are the keys of observation_spaces, and a single one is agent_name",
+    "update_seconds": "leave it out",
+    "reward_range": "leave it out",
+}
+
+
+class OtherSide:
+    """The words for it in what an environment reports. A socket that leads to more than one simulator has its own."""
+
+    # While an environment waits, and once it has waited in vain.
+    how_to_start = ": press Play"
+    state = "is it running?"
+    gone = "the simulator is gone"
 
 
 class MadeAnew:
@@ -78,6 +92,14 @@ def frames_per_second(hello: Message) -> int:
     """As many steps as there are in a second of the world's own time, or one: no film has fewer pictures."""
     dt: float = take(hello.values, "dt", float)
     return max(1, round(1 / max(1e-3, dt)))
+
+
+def no_others(words: dict[str, object]) -> None:
+    """An environment takes no words but its own."""
+    known = "where its simulator is, say endpoint, launch, wait, timeout and socket"
+    cures = dict.fromkeys(GYMIZES.get(word, known) for word in words)
+    if cures:
+        raise TypeError(f"an environment takes no {', '.join(words)}; {'; '.join(cures)}")
 
 
 def options_as_bytes(options: Any, **others: Any) -> bytes:

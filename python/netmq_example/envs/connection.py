@@ -21,10 +21,10 @@ from typing import Any
 import zmq
 
 from netmq_example import arguments, check
-from netmq_example.envs.launch import END_SECONDS, QUIET, end_program, program, say_waiting, start_program, why_ended
-from netmq_example.envs.words import no_others
+from netmq_example.envs.common import OtherSide, no_others
 from netmq_example.errors import Lost, Timeout
 from netmq_example.finalizers import finalizer
+from netmq_example.launch import END_SECONDS, QUIET, end_program, program, say_waiting, start_program, why_ended
 from netmq_example.messages import LIMIT, Message, MessageError
 from netmq_example.one_process import OneProcess
 from netmq_example.program import cannot_listen, limit
@@ -45,11 +45,11 @@ class Connection(OneProcess):
     """A bound ROUTER socket. It waits in slices of its receive timeout: on Windows Ctrl-C interrupts no longer wait."""
 
     def __init__(self, socket: zmq.Socket[bytes], timeout: float) -> None:
-        self.timeout = arguments.seconds("timeout", timeout)
+        self.timeout = check.seconds("timeout", timeout)
         if not hasattr(socket, "recv_multipart"):
             raise TypeError(f"socket takes a bound ROUTER socket, not {socket!r:.40}")
-        # Lesson 17's socket is none of pyzmq's.
         self.socket = arguments.blocking("socket", socket, object)
+        self.other_side = socket if isinstance(socket, OtherSide) else OtherSide()
         self.endpoint = socket.getsockopt_string(zmq.LAST_ENDPOINT)
         # To send to a peer that is gone is then an error, and not silence.
         socket.router_mandatory = True
@@ -69,9 +69,7 @@ class Connection(OneProcess):
             if why := ended():
                 raise Timeout(why)
             if time.monotonic() > end:
-                # Lesson 17's socket knows more.
-                told = getattr(self.socket, "told", "is it running?")
-                raise Timeout(f"no simulator came to {self.endpoint} within {limit:g} s; {told}")
+                raise Timeout(f"no simulator came to {self.endpoint} within {limit:g} s; {self.other_side.state}")
 
     def is_welcomed(self, accept: Accept) -> bool:
         """Whether the next message was the hello of a simulator, which then is the peer."""
@@ -106,7 +104,7 @@ class Connection(OneProcess):
         end = time.monotonic() + self.timeout
         while time.monotonic() < end:
             if not self.peer or not self.send(self.peer, frames):
-                why = getattr(self.socket, "gone", "the simulator is gone")
+                why = self.other_side.gone
                 break
             answer = self.answer(min(end, time.monotonic() + RESEND_SECONDS))
             if answer:
@@ -195,8 +193,8 @@ class Simulators:
         **unknown: object,
     ) -> None:
         no_others(unknown)
-        self.wait = arguments.seconds("wait", wait)
-        timeout = arguments.seconds("timeout", timeout)
+        self.wait = check.seconds("wait", wait)
+        timeout = check.seconds("timeout", timeout)
         self.launch = program(launch)
         self.owns_socket = socket is None
         if socket is None:
@@ -226,8 +224,7 @@ class Simulators:
             self.end()
             self.process = start_program([*self.launch, "--endpoint", endpoint])
         else:
-            # Lesson 17's socket has a hub there.
-            say_waiting(endpoint, "" if hasattr(self.connection.socket, "told") else ": press Play")
+            say_waiting(endpoint, self.connection.other_side.how_to_start)
         self.connection.wait(self.wait, accept, lambda: why_ended(self.process))
         QUIET.pop(endpoint, None)
 

@@ -40,7 +40,7 @@ from netmq_example.errors import Lost
 from netmq_example.messages import Message, MessageError
 from netmq_example.wire.records import ABSENT, ASKS, RESET, STEP, TERMINATED, TRUNCATED, Record, rewards_in, seeds
 from netmq_example.wire.space_bytes import Bytes
-from netmq_example.wire.space_numbers import shown
+from netmq_example.wire.spaces import shown
 
 NO_SEED = seeds([0])
 

@@ -41,7 +41,7 @@ from netmq_example.messages import Message, MessageError, take
 from netmq_example.wire import trees
 from netmq_example.wire.records import ASKS, NOTHING, RESET, STEP, TERMINATED, TRUNCATED, Record, rewards_in, seeds
 from netmq_example.wire.space_bytes import Bytes
-from netmq_example.wire.space_numbers import shown
+from netmq_example.wire.spaces import shown
 
 ENDPOINT = "tcp://127.0.0.1:5560"
 # Bytes of an info.

@@ -25,7 +25,7 @@ from netmq_example.envs.common import (
     known_render_mode,
 )
 from netmq_example.envs.remote_areas import RemoteAreas
-from netmq_example.wire.space_numbers import shown
+from netmq_example.wire.spaces import shown
 
 
 class AreasEnv(MadeAnew, VectorEnv[Any, Any, Any]):

@@ -71,9 +71,9 @@ class Hub:
         socket.router_mandatory = True
         self.report = arguments.function("report", report)
         self.build: str = check.instance("build", build, str)
-        self.late = arguments.seconds("late", late)
-        self.timeout = arguments.seconds("timeout", timeout)
-        self.idle = arguments.seconds("idle", idle)
+        self.late = check.seconds("late", late)
+        self.timeout = check.seconds("timeout", timeout)
+        self.idle = check.seconds("idle", idle)
         self.members: dict[bytes, Member] = {}
         self.trainers: dict[bytes, Trainer] = {}
         # One of each name that is here: the others have the same spaces.

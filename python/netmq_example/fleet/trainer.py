@@ -17,11 +17,12 @@ from typing import Any
 import zmq
 
 from netmq_example import arguments, check
+from netmq_example.envs.common import OtherSide
 from netmq_example.finalizers import finalizer
 from netmq_example.messages import LIMIT, Message, take
 from netmq_example.one_process import OneProcess
 from netmq_example.program import limit
-from netmq_example.retries import longer
+from netmq_example.trouble import longer
 from netmq_example.wire.records import is_record
 
 PEER = b"hub"
@@ -32,10 +33,10 @@ SILENCE_SECONDS = 2.0
 log = logging.getLogger("netmq_example.envs")
 
 
-class FleetSocket(OneProcess):
+class FleetSocket(OneProcess, OtherSide):
     """`prepare` gets each new socket before it connects. Use it on one thread, that of its environment."""
 
-    # The environment's words for a peer that it cannot reach.
+    how_to_start = ""
     gone = "the hub is gone"
 
     def __init__(self, endpoint: str, name: str, areas: int, *, prepare: Callable[[Any], object] | None = None) -> None:
@@ -53,8 +54,7 @@ class FleetSocket(OneProcess):
         self.joins = False
         self.tries = 0
         self.missing = 0
-        # The environment gives up with these words about the hub.
-        self.told = "is the hub running?"
+        self.state = "is the hub running?"
 
     def recv_multipart(self) -> list[bytes]:
         self.check_process()
@@ -107,8 +107,8 @@ class FleetSocket(OneProcess):
         self.missing = missing
 
     def report(self, text: str, level: int = logging.WARNING) -> None:
-        if text != self.told:
-            self.told = text
+        if text != self.state:
+            self.state = text
             log.log(level, text)
 
     def open(self) -> None:

@@ -28,7 +28,7 @@ from netmq_example.former import positional
 from netmq_example.messages import LIMIT, Message, MessageError, take
 from netmq_example.one_process import OneProcess, one_at_a_time
 from netmq_example.program import Context, Socket, limit
-from netmq_example.retries import longer, tried
+from netmq_example.trouble import longer, tried
 
 STATUSES = ("succeeded", "canceled", "aborted")
 # The values of a message about a job, besides the job.
@@ -90,14 +90,14 @@ class JobClient(OneProcess):
         self.search = BeaconSearch(endpoint)
         # An id must never come twice, whichever program makes one: hence the uuid.
         self.job = uuid.uuid4().hex if job is None else job_id("job", job)
-        self.timeout = arguments.seconds("timeout", timeout)
+        self.timeout = check.seconds("timeout", timeout)
         self.tries = check.count("tries", tries)
         self.context: Context = arguments.context(context)
         self.report = log.warning
         self.request = self.ask("status")
-        # What was wrong with a message of this try.
+        # The fault in a message of this try.
         self.dropped = ""
-        # What the socket is connected to, as soon as it is known where the server is.
+        # The socket's endpoint, as soon as it is known where the server is.
         self.where = ""
         self.socket = self.open()
 
@@ -196,7 +196,7 @@ class JobClient(OneProcess):
     def send(self, request: Message) -> None:
         self.check_process()
         if not self.where:
-            self.where = self.search.look(SLICE_MS / 1000)
+            self.where = self.search.find(SLICE_MS / 1000)
             if self.where:
                 self.socket.connect(self.where)
         try:

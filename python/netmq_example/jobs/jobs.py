@@ -91,7 +91,7 @@ class Jobs:
         self.journal = check.instance("journal", journal, Journal)
         self.kinds = kinds
         self.queue = check.count("queue", queue)
-        self.grace = check.seconds_or_none("grace", grace)
+        self.grace = check.seconds("grace", grace, zero=True)
         self.workers = Workers(check.count("workers", workers, most=MOST_WORKERS), kinds)
         self.live: dict[str, Job] = {}
         self.waiting = deque[str]()

@@ -159,7 +159,7 @@ class Journal:
             # One transaction: wherever the server is killed, all of it is there, or nothing.
             with self.db:
                 if set_right > SET_SECONDS:
-                    # What has just ended must not be older than it is kept.
+                    # A job that has just ended must not be older than it is kept.
                     self.db.execute("UPDATE jobs SET ended = ended + ?", (set_right,))
                 self.db.executemany(statement, rows)
                 self.db.execute("DELETE FROM jobs WHERE ended < ?", (time.time() - KEEP_SECONDS,))

@@ -22,14 +22,13 @@ from collections.abc import Callable, Iterator
 import zmq
 
 from netmq_example import arguments, check
-from netmq_example.asking import cure
 from netmq_example.errors import Timeout
 from netmq_example.mlagents_envs.exception import UnitySideChannelException
 from netmq_example.mlagents_envs.side_channel.side_channel import LARGEST_EXCHANGE_BYTES
 from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
 from netmq_example.one_process import OneProcess
 from netmq_example.program import limit
-from netmq_example.retries import longer
+from netmq_example.trouble import cure, longer
 
 __all__ = ["Carrier", "ClientCarrier"]
 
@@ -184,7 +183,7 @@ class ClientCarrier(OneProcess):
     ) -> None:
         self.context = arguments.blocking("context", context, zmq.Context)
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5563")
-        self.timeout = arguments.seconds("timeout", timeout)
+        self.timeout = check.seconds("timeout", timeout)
         self.report = report if report is None else arguments.function("report", report)
         self.away = False
         self.unsent = deque[bytes]()
@@ -219,7 +218,7 @@ class ClientCarrier(OneProcess):
 
         Timeout when the server was silent for too long, and there is no `report`.
         """
-        wait = check.seconds_or_none("wait", wait)
+        wait = check.seconds("wait", wait, zero=True)
         if exchange := arguments.data("data", data):
             self.unsent.append(exchange)
         self.send()

@@ -9,9 +9,8 @@ import numpy as np
 from netmq_example import arguments
 from netmq_example.messages import Array, Message, MessageError
 from netmq_example.wire import trees
-from netmq_example.wire.named import write_dict
 from netmq_example.wire.records import ANSWERS, TERMINATED, TRUNCATED, Record, rewards
-from netmq_example.wire.space_numbers import exactly
+from netmq_example.wire.spaces import exactly, write_dict
 
 
 def hello_of(name: str, dt: float, spaces: dict[str, Any]) -> Message:

@@ -112,7 +112,7 @@ class SceneSimulator(SimulatorBase):
 
     def __init__(self, name: str, dt: float, agents: Iterable[Agent]) -> None:
         super().__init__(arguments.text("name", name))
-        self.dt = arguments.seconds("dt", dt)
+        self.dt = check.seconds("dt", dt)
         if isinstance(agents, str | bytes | dict) or not isinstance(agents, Iterable):
             raise TypeError(f"agents takes a list of Agents, not {agents!r:.40}")
         agents = list(agents)

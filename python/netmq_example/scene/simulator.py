@@ -22,13 +22,13 @@ from netmq_example import arguments, check
 from netmq_example.beacon import BeaconSearch
 from netmq_example.errors import Timeout
 from netmq_example.former import positional
+from netmq_example.launch import watch_launcher
 from netmq_example.messages import LIMIT, Message, MessageError
 from netmq_example.one_connection import NO_CONNECTION, TRY_SECONDS, connect_once
 from netmq_example.program import SLICE_MS
-from netmq_example.retries import longer
 from netmq_example.scene.answers import answer_to, hello_of, options_in, picture_of, unknown
-from netmq_example.scene.launched import watch_launcher
 from netmq_example.scene.simulation import Simulation
+from netmq_example.trouble import longer
 from netmq_example.wire import records
 from netmq_example.wire.records import RESET, STEP, Record
 from netmq_example.wire.space_bytes import Bytes
@@ -167,7 +167,7 @@ class EnvironmentClient:
     ) -> None:
         self.endpoint = check.endpoint(endpoint, ENDPOINT, beacon=True)
         self.search = BeaconSearch(endpoint)
-        self.timeout = arguments.seconds("timeout", timeout)
+        self.timeout = check.seconds("timeout", timeout)
         self.report = log.warning
         self.prepare = None if prepare is None else arguments.function("prepare", prepare)
         # When it last was in an environment, why it is in none since then, and after how many tries in vain.
@@ -219,7 +219,7 @@ class EnvironmentClient:
         socket.sndtimeo = int(1000 * TRY_SECONDS)
         if self.prepare:
             self.prepare(socket)
-        where = self.search.look(min(TRY_SECONDS, limit))
+        where = self.search.find(min(TRY_SECONDS, limit))
         if not where:
             # Nobody answers to the name: nothing is known about the line.
             raise ConnectionRefusedError(NO_CONNECTION)

@@ -106,7 +106,7 @@ class AllowList:
         try:
             return self._read_list(key)
         except OSError as error:
-            # As many connections of strangers as files may be open. Whoever answers libzmq must outlive that.
+            # As many connections of strangers as files may be open. The thread that answers libzmq must outlive that.
             self.trouble(f"cannot read the list: {error.strerror}; nobody new comes in until that is over")
             return ""
 

@@ -23,8 +23,8 @@ from netmq_example.errors import Timeout
 from netmq_example.former import positional
 from netmq_example.one_process import OneProcess, one_at_a_time
 from netmq_example.program import Context, Socket, encoded, limit, option, text_of
-from netmq_example.retries import longer, tried
 from netmq_example.security.keys import checked, checked_path, load, make
+from netmq_example.trouble import longer, tried
 
 # Seconds between two tries, where the first was over at once.
 PAUSE_SECONDS = 0.25
@@ -77,7 +77,7 @@ class SecureRequester(OneProcess):
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5565", beacon=True)
         self.search = BeaconSearch(endpoint)
         self.keys: ClientKeys | None = check.instance("keys", keys, ClientKeys, type(None))
-        self.timeout = arguments.seconds("timeout", timeout)
+        self.timeout = check.seconds("timeout", timeout)
         self.tries = check.count("tries", tries)
         self.context: Context = arguments.context(context)
         self.report = log.warning
@@ -119,7 +119,7 @@ class SecureRequester(OneProcess):
     def _try(self, request: bytes, timeout: float) -> tuple[str | None, str]:
         """One try: the reply, or what came in its place."""
         if not self.socket:
-            where = self.search.look(timeout)
+            where = self.search.find(timeout)
             if not where:
                 return None, f"nobody answers to this name within {timeout:g} s"
             self.socket = self._open(where)

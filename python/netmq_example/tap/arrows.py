@@ -28,7 +28,7 @@ from netmq_example.tap.zmtp import NotZeroMQ, Piece
 # So many arrows, and bytes of all their messages together, are kept.
 MOST_ARROWS = 2000
 MOST_BYTES = 32 * 1024 * 1024
-# What all connections together hold of messages that are not passed on yet: two of the largest.
+# All connections together hold so many bytes that are not passed on yet: two of the largest.
 MOST_HELD = 600 * 1024 * 1024
 # How much of each frame a page gets at first, and when somebody opens the arrow.
 PREVIEW_BYTES = 1024

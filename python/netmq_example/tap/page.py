@@ -1,10 +1,10 @@
 """The page of the tap: tap.html, what it shows ten times a second, and a file that shows it all again.
 
-    page = Page(arrows, trouble, "Lesson 02")
+    page = Page(arrows, faults, "Lesson 02")
     asyncio.run(page.serve(socket.create_server(("127.0.0.1", 8000))))
 
 The browser gets the newest arrows and the numbers of all messages, so it costs the same however many there are; the
-whole of a message it fetches when somebody opens it. It sends the trouble that it wants.
+whole of a message it fetches when somebody opens it. It sends the fault that it wants.
 Other web pages may ask a browser to connect here too. They cannot hide who they are: `Origin` and `Host` tell.
 It needs aiohttp.
 """
@@ -21,7 +21,7 @@ from aiohttp import WSMsgType, web
 from netmq_example import arguments, check
 from netmq_example.json_text import shallow
 from netmq_example.tap.arrows import HTML, WHOLE_BYTES, Arrows, recording
-from netmq_example.tap.passing import Trouble
+from netmq_example.tap.passing import Faults
 
 # A page gets so many arrows at a time, ten times a second: an eye does not follow more.
 ARROWS_AT_A_TIME = 40
@@ -34,11 +34,11 @@ log = logging.getLogger("netmq_example.server")
 
 
 class Page:
-    """Shows the arrows, and passes on what somebody asks for to the trouble."""
+    """Shows the arrows, and passes on what somebody asks for to the faults."""
 
-    def __init__(self, arrows: Arrows, trouble: Trouble, title: str) -> None:
+    def __init__(self, arrows: Arrows, faults: Faults, title: str) -> None:
         self.arrows: Arrows = check.instance("arrows", arrows, Arrows)
-        self.trouble: Trouble = check.instance("trouble", trouble, Trouble)
+        self.faults: Faults = check.instance("faults", faults, Faults)
         self.title: str = check.instance("title", title, str)
 
     async def serve(self, listener: socket.socket) -> None:
@@ -80,7 +80,7 @@ class Page:
         with contextlib.suppress(ConnectionError):
             while not page.closed:
                 new = self.arrows.after(shown, most)
-                state = {"title": self.title, "totals": self.arrows.totals, **self.trouble.state()}
+                state = {"title": self.title, "totals": self.arrows.totals, **self.faults.state()}
                 await page.send_json({**state, "arrows": [each.as_json() for each in new]})
                 if new:
                     shown = new[-1].number
@@ -92,9 +92,9 @@ class Page:
         with contextlib.suppress(ValueError, KeyError, TypeError):
             wish = json.loads(shallow(text))
             if "slow" in wish:
-                self.trouble.slow = arguments.number("slow", wish["slow"], 0, SLOWEST_SECONDS)
-            if "fate" in wish:
-                self.trouble.ask(wish["fate"], wish["way"])
+                self.faults.slow = arguments.number("slow", wish["slow"], 0, SLOWEST_SECONDS)
+            if "fault" in wish:
+                self.faults.ask(wish["fault"], wish["way"])
 
     async def arrow(self, request: web.Request) -> web.StreamResponse:
         number = request.match_info["number"]

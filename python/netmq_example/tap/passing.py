@@ -1,7 +1,7 @@
-"""Passing on: two TCP connections, and whole messages from one to the other, or what trouble makes of them.
+"""Passing on: two TCP connections, and whole messages from one to the other, or what faults make of them.
 
-    trouble = Trouble(planned={3: "drop"})                     message 3 is not passed on
-    link = Link(1, arrows, trouble)                            the first client that came
+    faults = Faults(planned={3: "drop"})                     message 3 is not passed on
+    link = Link(1, arrows, faults)                            the first client that came
     link.run(client, "127.0.0.1", 5552)                        until one side closes; on a thread of its own
 
 One thread for each direction of each connection: it receives, shows, sends, and waits where the receiver does not
@@ -20,7 +20,7 @@ from netmq_example import check
 from netmq_example.tap.arrows import Arrows
 from netmq_example.tap.zmtp import GREETING, NotZeroMQ, Piece, mechanism, socket_type, take
 
-FATES = ("drop", "delay", "double", "cut")
+FAULTS = ("drop", "delay", "double", "cut")
 # A longer message than any lesson has, which would fill the memory.
 LARGEST_BYTES = 300 * 1024 * 1024
 DELAY_SECONDS = 1.0
@@ -29,7 +29,7 @@ UNSEEN = (b"PING", b"PONG", b"READY")
 
 
 @dataclass
-class Trouble:
+class Faults:
     """Messages are counted from 1, both ways together; `way` is up, to the server, down, or empty for both."""
 
     planned: dict[int, str] = field(default_factory=dict)
@@ -41,22 +41,22 @@ class Trouble:
     lock: threading.Lock = field(default_factory=threading.Lock)
 
     def __post_init__(self) -> None:
-        check.seconds_or_none("slow", self.slow)
-        if self.asked not in ("", *FATES):
-            raise ValueError(f"asked is one of {', '.join(FATES)}, or empty, not {self.asked!r:.40}")
+        check.seconds("slow", self.slow, zero=True)
+        if self.asked not in ("", *FAULTS):
+            raise ValueError(f"asked is one of {', '.join(FAULTS)}, or empty, not {self.asked!r:.40}")
         if self.way not in ("", "up", "down"):
             raise ValueError(f"way is up, down or empty, not {self.way!r:.40}")
-        for number, fate in check.instance("planned", self.planned, dict).items():
+        for number, fault in check.instance("planned", self.planned, dict).items():
             check.count("a planned message", number)
-            if fate not in FATES:
-                raise ValueError(f"a planned fate is one of {', '.join(FATES)}, not {fate!r:.40}")
+            if fault not in FAULTS:
+                raise ValueError(f"a planned fault is one of {', '.join(FAULTS)}, not {fault!r:.40}")
 
-    def ask(self, fate: str, way: str) -> None:
-        """For the next message that goes this way. An empty fate takes the wish back."""
-        if fate not in ("", *FATES) or way not in ("", "up", "down"):
-            raise ValueError(f"fate is one of {', '.join(FATES)}, and way up or down, not {fate!r:.40}, {way!r:.40}")
+    def ask(self, fault: str, way: str) -> None:
+        """For the next message that goes this way. An empty fault takes the wish back."""
+        if fault not in ("", *FAULTS) or way not in ("", "up", "down"):
+            raise ValueError(f"fault is one of {', '.join(FAULTS)}, and way up or down, not {fault!r:.40}, {way!r:.40}")
         with self.lock:
-            self.asked = fate
+            self.asked = fault
             self.way = way
 
     def state(self) -> dict[str, str | float]:
@@ -66,9 +66,9 @@ class Trouble:
         with self.lock:
             self.number += 1
             if self.asked and self.way in ("", way):
-                fate = self.asked
+                fault = self.asked
                 self.asked = ""
-                return fate
+                return fault
             return self.planned.get(self.number, "")
 
 
@@ -78,13 +78,13 @@ class Link:
 
     number: int
     arrows: Arrows
-    trouble: Trouble
+    faults: Faults
     types: dict[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         check.count("number", self.number)
         check.instance("arrows", self.arrows, Arrows)
-        check.instance("trouble", self.trouble, Trouble)
+        check.instance("faults", self.faults, Faults)
 
     def run(self, client: socket.socket, host: str, port: int) -> None:
         with client:
@@ -144,22 +144,22 @@ class Link:
 
     def pass_piece(self, piece: Piece, target: socket.socket, way: str) -> None:
         """Here the message is in our hands."""
-        fate = ""
+        fault = ""
         if piece.command:
             self.see_command(piece, way)
         else:
-            fate = self.trouble.of_next(way)
-            self.arrows.add(self.number, way, piece, fate)
-            late = self.trouble.slow
-            if fate == "delay":
+            fault = self.faults.of_next(way)
+            self.arrows.add(self.number, way, piece, fault)
+            late = self.faults.slow
+            if fault == "delay":
                 late += DELAY_SECONDS
             if late:
                 time.sleep(late)
-        if fate == "cut":
+        if fault == "cut":
             raise ConnectionAbortedError
-        if fate != "drop":
+        if fault != "drop":
             target.sendall(piece.raw)
-        if fate == "double":
+        if fault == "double":
             target.sendall(piece.raw)
 
     def see_command(self, piece: Piece, way: str) -> None:

@@ -56,7 +56,7 @@ class Films(OneProcess):
         self, endpoint: str = ENDPOINT, *, socket: zmq.Socket[bytes] | None = None, timeout: float = 10.0
     ) -> None:
         """The game has `timeout` seconds for each answer."""
-        self.timeout = arguments.seconds("timeout", timeout)
+        self.timeout = check.seconds("timeout", timeout)
         arguments.blocking("socket", socket, zmq.Socket, type(None))
         self.report = log.warning
         self.owns_socket = socket is None
@@ -76,7 +76,7 @@ class Films(OneProcess):
     def wait(self, seconds: float = 60) -> dict[str, tuple[int, int]]:
         """The next game's views, with their largest width and height. Timeout says that none came."""
         if seconds != math.inf:
-            check.seconds_or_none("seconds", seconds)
+            check.seconds("seconds", seconds, zero=True)
         self.start()
         end = time.monotonic() + seconds
         while self.game.count == self.returned or not self.game.views:

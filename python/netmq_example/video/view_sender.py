@@ -26,14 +26,13 @@ from typing import Any, NamedTuple
 
 import zmq
 
-from netmq_example import arguments, check
-from netmq_example.asking import cure
+from netmq_example import check
 from netmq_example.errors import Lost, Refused, Timeout
 from netmq_example.former import positional
 from netmq_example.messages import LIMIT, Array, Message, MessageError, take
 from netmq_example.one_connection import NO_CONNECTION, TRY_SECONDS, connect_once, poll
 from netmq_example.program import limit
-from netmq_example.retries import longer
+from netmq_example.trouble import cure, longer
 
 # Pictures that were sent and are not acknowledged by Python yet, and pictures at all.
 MOST_SENT = 2
@@ -175,7 +174,7 @@ class ViewSender:
     @positional("endpoint", "timeout", "report")
     def __init__(self, endpoint: str, *, timeout: float = 30.0) -> None:
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5562")
-        self.timeout = arguments.seconds("timeout", timeout)
+        self.timeout = check.seconds("timeout", timeout)
         self.report = log.warning
         # When Python was last there, and whether it is now.
         self.heard = 0.0

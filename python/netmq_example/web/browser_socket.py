@@ -15,8 +15,9 @@ import contextlib
 import zmq
 import zmq.asyncio
 
-from netmq_example import arguments, check, program
+from netmq_example import check, program
 from netmq_example.errors import Timeout
+from netmq_example.one_process import Keys
 
 # A peer that announces a larger message is disconnected before it is in memory.
 LARGEST_BYTES = 4 * 1024 * 1024
@@ -25,9 +26,12 @@ MOST_FRAMES = 1000
 EXAMPLE = "tcp://127.0.0.1:5551"
 
 
-def for_browsers() -> zmq.asyncio.Context:
+def for_browsers(keys: Keys | None = None) -> zmq.asyncio.Context:
     """A context with a socket for each name of each browser, as Socket.IO has them: libzmq's own limit is 1023."""
     context = zmq.asyncio.Context()
+    if keys:
+        # To the servers the gateway is one client. Each new socket of a context has the context's options.
+        keys.apply(context)
     context.set(zmq.MAX_SOCKETS, program.MOST_FILES)
     return context
 
@@ -38,7 +42,7 @@ class Requester:
     def __init__(self, context: zmq.asyncio.Context, endpoint: str, timeout: float) -> None:
         self.context: zmq.asyncio.Context = check.instance("context", context, zmq.asyncio.Context)
         self.endpoint = check.endpoint(endpoint, EXAMPLE)
-        self.timeout = arguments.seconds("timeout", timeout)
+        self.timeout = check.seconds("timeout", timeout)
         self.socket: zmq.asyncio.Socket | None = None
 
     async def ask(self, frames: list[bytes]) -> list[bytes]:
@@ -72,7 +76,7 @@ class Listener:
     def __init__(self, context: zmq.asyncio.Context, endpoint: str, timeout: float) -> None:
         self.context: zmq.asyncio.Context = check.instance("context", context, zmq.asyncio.Context)
         self.endpoint = check.endpoint(endpoint, EXAMPLE)
-        self.timeout = arguments.seconds("timeout", timeout)
+        self.timeout = check.seconds("timeout", timeout)
         self.topic: bytes | None = None
         self.newest: list[bytes] = []
         self.came = asyncio.Event()

@@ -37,7 +37,7 @@ class WebRequester:
         self.endpoint = check.endpoint(endpoint, "http://127.0.0.1:5566")
         self.name = arguments.text("name", name)
         self.token: str = check.instance("token", token, str)
-        self.timeout = arguments.seconds("timeout", timeout)
+        self.timeout = check.seconds("timeout", timeout)
         self.connected = False
         self.trouble = "is the server running?"
         self.session: aiohttp.ClientSession | None = None

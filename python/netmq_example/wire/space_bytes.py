@@ -17,8 +17,7 @@ from gymnasium.vector.utils import batch_space, concatenate, create_empty_array,
 
 from netmq_example.messages import MessageError
 from netmq_example.wire import trees
-from netmq_example.wire.space_numbers import Codec, Numbers, exactly, misfit
-from netmq_example.wire.spaces import REASONS
+from netmq_example.wire.spaces import REASONS, Codec, Numbers, exactly, misfit
 
 SIZE = trees.SIZE
 NO_EDGES = 2**32 - 1

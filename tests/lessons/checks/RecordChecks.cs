@@ -79,7 +79,7 @@ namespace NetMQExample.Tests
                 return $"error {e.Code}";
             }
             simulator.Answer(request);
-            return simulator.Words == null ? Hex.Digits(simulator.Frame.ToArray()) : $"error {simulator.Words.Values["code"]}";
+            return simulator.Reply == null ? Hex.Digits(simulator.Frame.ToArray()) : $"error {simulator.Reply.Values["code"]}";
         }
 
         private static void Describe()
@@ -133,7 +133,7 @@ namespace NetMQExample.Tests
 
         public GymSpace Action => Observation;
 
-        public void ResetWorld(Chance chance, IReadOnlyDictionary<string, object> options, double[] state) =>
+        public void ResetWorld(RandomGenerator random, IReadOnlyDictionary<string, object> options, double[] state) =>
             (said, numbers, steps) = (options["say"], null, 0);
 
         public void Apply(SpaceReader action)
@@ -150,7 +150,7 @@ namespace NetMQExample.Tests
             else seen.Add(numbers);
         }
 
-        public (double Reward, bool Terminated, bool Truncated) Judge(IDictionary<string, object> info)
+        public (double Reward, bool Terminated, bool Truncated) RewardAndEnd(IDictionary<string, object> info)
         {
             info["steps"] = steps;
             return (0.5 * steps, steps == 3, steps == 4);

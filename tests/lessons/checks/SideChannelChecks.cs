@@ -194,7 +194,7 @@ namespace NetMQExample.Tests
 
         public GymSpace Action { get; } = GymSpace.Discrete(9);
 
-        public void ResetWorld(Chance chance, IReadOnlyDictionary<string, object> options, double[] state) =>
+        public void ResetWorld(RandomGenerator random, IReadOnlyDictionary<string, object> options, double[] state) =>
             gravity = state.Length + Academy.Instance.EnvironmentParameters.GetWithDefault("gravity", 9.75f);
 
         public void Apply(SpaceReader action) =>
@@ -202,7 +202,7 @@ namespace NetMQExample.Tests
 
         public void Observe(SpaceWriter seen) => seen.Add(gravity);
 
-        public (double Reward, bool Terminated, bool Truncated) Judge(IDictionary<string, object> info) => (0, false, false);
+        public (double Reward, bool Terminated, bool Truncated) RewardAndEnd(IDictionary<string, object> info) => (0, false, false);
 
         public MessageArray Render() => throw new NotSupportedException();
     }

@@ -45,7 +45,7 @@ namespace NetMQExample.Tests
             (ticks, last) = (0, 0);
             World.Others.Clear();
             if (State.Options.Count == 0 && State.Name != "a") return;
-            State.SendInfo(State.Chance.Next());
+            State.SendInfo(State.RandomGenerator.Next());
             State.SendInfo(State.Options);
         }
 
@@ -77,7 +77,7 @@ namespace NetMQExample.Tests
                 case "reward": State.AddReward(Number(rest[0])); break;
                 case "all": State.SetReward(Number(rest[0])); break;
                 case "info": State.SendInfo(rest[0]); break;
-                case "draw": State.SendInfo(World.Agents.First(one => one.State.Name == rest[0]).State.Chance.Next()); break;
+                case "draw": State.SendInfo(World.Agents.First(one => one.State.Name == rest[0]).State.RandomGenerator.Next()); break;
                 case "until": last = (int)Number(rest[0]); break;
                 case "leave": World.Agents.Remove(this); break;
                 case "come": World.Agents.Insert(1, new Told(rest[0])); break;

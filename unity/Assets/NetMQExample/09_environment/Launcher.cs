@@ -1,4 +1,4 @@
-// Lesson 09, who launched this program: when that ends, in whatever way, so does this. In Python: launched.py.
+// Lesson 09, who launched this program: when that ends, in whatever way, so does this. In Python: launch.py.
 //
 // A training that is killed can end nobody. So it gives to each simulator that it launches a pipe, as its standard
 // input, in which nothing ever comes but one byte at the beginning; and the system closes it when the training ends.

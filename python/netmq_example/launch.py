@@ -3,11 +3,15 @@
     words = program("Build/Game")           ["…/Build/Game.exe"], Game.app or Game.x86_64; FileNotFoundError
     process = start_program([*words, "-batchmode"])
     end_program(process)
+    watch_launcher()                        in the build: it ends when the one that launched it does, in whatever way
 
-It needs pyzmq.
+A training that is killed can end nobody. So it gives to each simulator that it launches a pipe, as its standard input,
+in which nothing ever comes but one byte at the beginning; and the system closes it when the training ends. In C# it is
+Launcher.cs. It needs pyzmq.
 """
 
 import contextlib
+import functools
 import gc
 import glob
 import logging
@@ -16,12 +20,15 @@ import shutil
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Sequence
 
 from netmq_example.extras import shell
 from netmq_example.finalizers import undisturbed
 
+# Set for a program that was launched: the process id of the one that did it.
+VARIABLE = "NETMQ_EXAMPLE_LAUNCHER"
 # How long a program gets to end by itself.
 END_SECONDS = 2
 # Until when nobody is told again that an endpoint waits: each wrong hello ends an environment, and begins the next one.
@@ -72,7 +79,7 @@ def start_program(words: Sequence[str]) -> subprocess.Popen[bytes]:
     """
     # An environment that nobody has any more, but what an interrupted cell of a notebook has left, ends its own now.
     undisturbed(gc.collect)
-    environment = {**os.environ, "NETMQ_EXAMPLE_LAUNCHER": str(os.getpid())}
+    environment = {**os.environ, VARIABLE: str(os.getpid())}
     try:
         process = subprocess.Popen(words, start_new_session=True, stdin=subprocess.PIPE, env=environment)
     except OSError as error:
@@ -112,3 +119,24 @@ def end_program(process: subprocess.Popen[bytes]) -> None:
         process.wait()
         if process.stdin:
             process.stdin.close()
+
+
+@functools.cache
+def watch_launcher() -> None:
+    if os.environ.get(VARIABLE, "").isdecimal():
+        threading.Thread(target=wait, args=(int(os.environ[VARIABLE]),), daemon=True).start()
+
+
+def wait(launcher: int) -> None:
+    try:
+        # Without the byte it is no pipe of a training's: somebody has given this program another input.
+        if not os.read(0, 1):
+            while os.getppid() == launcher:
+                time.sleep(0.5)
+        while os.read(0, 1):
+            pass
+    except OSError:
+        # The pipe is closed, too.
+        pass
+    # This program may be waiting for anything.
+    os._exit(1)
