@@ -71,8 +71,8 @@ def wheels(folder: Path, system: str, version: str, tags: list[str]) -> None:
     what = f"fetching {', '.join(map(python_setup.name, needs))} for {system}, Python {version} ({tags[0]})"
     result = step(what, command, 600, python_setup.ELSEWHERE)
     if not result.ok:
-        why = f"{result.first('ERROR', 'No module')}; try again with internet, or another --python"
-        raise KitError(f"pip could not fetch them for {tags[0]}, Python {version}: {why}")
+        why = f"fetch them for {tags[0]}, Python {version}: {result.first('ERROR', 'No module')}"
+        raise KitError(f"pip could not {why}; try again with internet, or another --python")
 
 
 def nuget(folder: Path) -> None:
