@@ -25,7 +25,7 @@ namespace NetMQExample.Terminal
             arguments.RefuseTheRest();
 
             var road = new Road();
-            var shot = DrawnCamera.Shot(cameras);
+            var pictures = DrawnCamera.Pictures(cameras);
             var car = new Car(road, start);
             var camera = new DrawnCamera(road);
             var drive = new Drive(car, Console.WriteLine) { Every = every, Lockstep = lockstep };
@@ -38,8 +38,8 @@ namespace NetMQExample.Terminal
             {
                 // A picture is sent when the last one was answered. Of those in between, only the newest is wanted.
                 if (asked != null) skipped++;
-                else camera.Take(shot, drive, car);
-                asked ??= Task.Run(() => driver.Ask(shot.ToMessage()));
+                else camera.Take(pictures, drive, car);
+                asked ??= Task.Run(() => driver.Ask(pictures.ToMessage()));
                 if (!lockstep) drive.Step();
                 keyboard?.Poll(drive);
                 while (lockstep ? !asked.IsCompleted : clock.Elapsed < drive.Time) Thread.Sleep(1);

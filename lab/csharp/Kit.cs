@@ -83,15 +83,15 @@ namespace NetMQExample.Lab
     internal sealed class Steer : Contender
     {
         private readonly DriverClient driver;
-        private readonly Shot shot;
+        private readonly CameraPictures pictures;
 
         public Steer(string endpoint, int size) : base(size)
         {
             driver = new DriverClient(endpoint, Timeout, 1, why => throw new TimeoutException(why));
-            shot = new Shot("center", size / 720, 240, 3);
+            pictures = new CameraPictures("center", size / 720, 240, 3);
         }
 
-        public override void Send() => Check(driver.Ask(shot.ToMessage()) != null);
+        public override void Send() => Check(driver.Ask(pictures.ToMessage()) != null);
 
         // It was there before Send returned.
         public override void Receive() { }

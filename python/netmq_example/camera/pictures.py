@@ -5,7 +5,7 @@
 
 A message of kind `frame` has an array for each camera that its value `cameras` names: raw pixels, with `bottom_up` the
 lowest row first and with alpha where the graphics card adds it, or a JPEG file. What does not fit is refused by name.
-The C# side is Shot.cs. It needs numpy, and for JPEG Pillow.
+The C# side is CameraPictures.cs. It needs numpy, and for JPEG Pillow.
 """
 
 import io

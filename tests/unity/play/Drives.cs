@@ -124,10 +124,10 @@ namespace NetMQExample.PlayTest
 
             private void FixedUpdate()
             {
-                var shots = typeof(CameraSender).GetField("shots", Hidden).GetValue(Sender);
-                if (shots == null) return;
+                var taker = typeof(CameraSender).GetField("taker", Hidden).GetValue(Sender);
+                if (taker == null) return;
                 var number = Sender.GetComponent<DrivenCar>().Drive.Frame;
-                foreach (var camera in (Camera[])typeof(ShotTaker).GetField("cameras", Hidden).GetValue(shots))
+                foreach (var camera in (Camera[])typeof(PictureTaker).GetField("cameras", Hidden).GetValue(taker))
                     camera.backgroundColor = new Color32((byte)number, (byte)(number >> 8), 200, 255);
             }
         }

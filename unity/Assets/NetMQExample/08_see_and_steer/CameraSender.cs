@@ -25,7 +25,7 @@ namespace NetMQExample
         [SerializeField, Tooltip("What Python says, to be read here")] private string text = "";
 
         private DrivenBehaviour car;
-        private ShotTaker shots;
+        private PictureTaker taker;
 
         private void Start()
         {
@@ -45,11 +45,11 @@ namespace NetMQExample
         {
             Log($"asking {endpoint}");
             using var driver = new DriverClient(endpoint, Seconds(timeout), tries, Log);
-            ShotTaker taker = null;
+            PictureTaker mine = null;
             // On the main thread, which cancels: what is on its way then is lost before the component is enabled again.
-            stop.Register(() => { taker?.Dispose(); if (shots == taker) shots = null; });
-            FromUpdate(() => shots = taker = stop.IsCancellationRequested ? null
-                : new ShotTaker(cameras, jpeg, lockstep ? 1 : car.Steps, car.CameraFor));
+            stop.Register(() => { mine?.Dispose(); if (taker == mine) taker = null; });
+            FromUpdate(() => taker = mine = stop.IsCancellationRequested ? null
+                : new PictureTaker(cameras, jpeg, lockstep ? 1 : car.Steps, car.CameraFor));
             for (var answered = 0; answered < count;)
             {
                 var action = driver.Ask(taker.Next(stop), stop);
@@ -64,7 +64,7 @@ namespace NetMQExample
         {
             base.Update();
             // After an end by trouble nobody needs pictures.
-            if (!Done) shots?.Poll(car.Drive, lockstep);
+            if (!Done) taker?.Poll(car.Drive, lockstep);
         }
     }
 }

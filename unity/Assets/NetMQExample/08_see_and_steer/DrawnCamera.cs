@@ -32,14 +32,14 @@ namespace NetMQExample
         }
 
         /// <summary>Room for the pictures of some cameras.</summary>
-        public static Shot Shot(string cameras) => new Shot(cameras, Width, Height, 3);
+        public static CameraPictures Pictures(string cameras) => new CameraPictures(cameras, Width, Height, 3);
 
-        /// <summary>Draws what each camera of a shot sees now.</summary>
-        public void Take(Shot shot, Drive drive, Car car)
+        /// <summary>Draws what each of these cameras sees now.</summary>
+        public void Take(CameraPictures pictures, Drive drive, Car car)
         {
-            drive.Note(shot);
-            for (var i = 0; i < shot.Pixels.Length; i++)
-                Draw(shot.Pixels[i], car, (int)shot.Frame, shot.Right[i]);
+            drive.Note(pictures);
+            for (var i = 0; i < pictures.Pixels.Length; i++)
+                Draw(pictures.Pixels[i], car, (int)pictures.Frame, pictures.Right[i]);
         }
 
         /// <summary>Draws a picture.</summary>

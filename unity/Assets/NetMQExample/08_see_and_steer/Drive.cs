@@ -1,8 +1,8 @@
 // Lesson 08, the drive: every picture has a number, and every action names the picture that it answers.
 //
-//     drive.Note(shot);                            beside the pictures: their number, and what the car does
-//     drive.Apply(driver.Ask(shot.ToMessage()));   DriverClient.cs; now the action's age is known
-//     drive.Step();                                0.02 s later
+//     drive.Note(pictures);                            beside the pictures: their number, and what the car does
+//     drive.Apply(driver.Ask(pictures.ToMessage()));   DriverClient.cs; now the action's age is known
+//     drive.Step();                                    0.02 s later
 //
 // The car is yours: an ICar. The Python side is drive.py.
 using System;
@@ -95,18 +95,18 @@ namespace NetMQExample
             Manual = false;
         }
 
-        /// <summary>Writes beside a shot's pictures which moment they show.</summary>
-        public void Note(Shot shot)
+        /// <summary>Writes beside the pictures which moment they show.</summary>
+        public void Note(CameraPictures pictures)
         {
-            shot.Frame = Frame;
-            shot.SimTime = Time.TotalSeconds;
-            shot.Run = run;
-            shot.WallTime = (DateTime.UtcNow - DateTime.UnixEpoch).TotalSeconds;
-            shot.Action = InForce;
-            shot.Speed = car.Speed;
-            shot.Manual = Manual;
-            shot.Telemetry.Clear();
-            car.Telemetry(shot.Telemetry);
+            pictures.Frame = Frame;
+            pictures.SimTime = Time.TotalSeconds;
+            pictures.Run = run;
+            pictures.WallTime = (DateTime.UtcNow - DateTime.UnixEpoch).TotalSeconds;
+            pictures.Action = InForce;
+            pictures.Speed = car.Speed;
+            pictures.Manual = Manual;
+            pictures.Telemetry.Clear();
+            car.Telemetry(pictures.Telemetry);
         }
 
         /// <summary>Follows an action from the next step on.</summary>

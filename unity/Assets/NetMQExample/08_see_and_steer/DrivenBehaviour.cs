@@ -55,7 +55,7 @@ namespace NetMQExample
         {
         }
 
-        /// <summary>Makes a camera for ShotTaker.cs.</summary>
+        /// <summary>Makes a camera for PictureTaker.cs.</summary>
         /// <param name="right">Metres to the right of the middle.</param>
         public Camera CameraFor(double right) =>
             eye == null ? CarCamera.On(transform, right, width, height) : CarCamera.Beside(eye, right, width, height);

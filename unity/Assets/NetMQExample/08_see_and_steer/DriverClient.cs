@@ -2,8 +2,8 @@
 //
 // The Python side is python/08_see_and_steer/server.py.
 // Bytes: messages of lesson 05. A request of kind `frame` has the picture's number as its id and as the value `frame`,
-// and Shot.cs says what else; its reply is of kind `action`, with the values `frame`, `throttle`, `brake`, `steer` and
-// those of your own.
+// and CameraPictures.cs says what else; its reply is of kind `action`, with the values `frame`, `throttle`, `brake`,
+// `steer` and those of your own.
 using System;
 using System.Collections.Generic;
 using System.Diagnostics;
@@ -87,7 +87,7 @@ namespace NetMQExample
 
         /// <summary>Sends a picture and waits for its action. A picture without one is not sent again: by then there is
         /// a newer one.</summary>
-        /// <param name="frame">The message that <see cref="Shot.ToMessage"/> made.</param>
+        /// <param name="frame">The message that <see cref="CameraPictures.ToMessage"/> made.</param>
         /// <param name="stop">Ends the wait early.</param>
         /// <returns>The action, or null if there is none.</returns>
         /// <exception cref="TimeoutException">Too many in a row had none, and the last had no reply.</exception>

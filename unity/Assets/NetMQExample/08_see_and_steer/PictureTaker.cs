@@ -1,7 +1,7 @@
-// Lesson 08, the newest shot: the main thread takes one after the other, the network thread gets the newest.
+// Lesson 08, the newest pictures: the main thread takes them again and again, the network thread gets the newest.
 //
-// A shot is all cameras at one moment. Two are on their way from the graphics card, one lies ready, one is being sent:
-// four shots do for ever, and nobody waits for the other but the network thread for a first picture.
+// A set has a picture of each camera at one moment. Two are on their way from the graphics card, one lies ready, one is
+// being sent: four sets do for ever, and nobody waits for the other but the network thread for a first picture.
 using System;
 using System.Collections.Generic;
 using System.Linq;
@@ -12,8 +12,8 @@ using Object = UnityEngine.Object;
 
 namespace NetMQExample
 {
-    /// <summary>Takes shots with some cameras.</summary>
-    public sealed class ShotTaker : IDisposable
+    /// <summary>Takes pictures with some cameras.</summary>
+    public sealed class PictureTaker : IDisposable
     {
         private readonly Queue<Taking> begun = new Queue<Taking>(2);
         private readonly Stack<Taking> free = new Stack<Taking>();
@@ -27,17 +27,17 @@ namespace NetMQExample
         private bool trouble;
 
         /// <summary>Makes room, and finds out which row of a picture comes first.</summary>
-        /// <param name="names">The cameras' names, as in <see cref="Shot"/>.</param>
+        /// <param name="names">The cameras' names, as in <see cref="CameraPictures"/>.</param>
         /// <param name="jpeg">Whether they are sent as JPEG files.</param>
-        /// <param name="steps">A shot for each so many of the world's steps.</param>
+        /// <param name="steps">Pictures are taken after each so many of the world's steps.</param>
         /// <param name="make">Makes a camera with a texture, so many metres to the right of the middle.</param>
         /// <exception cref="ArgumentException">There are no such cameras, or there is no graphics card.</exception>
-        public ShotTaker(string names, bool jpeg, int steps, Func<double, Camera> make)
+        public PictureTaker(string names, bool jpeg, int steps, Func<double, Camera> make)
         {
             this.jpeg = jpeg;
             this.steps = steps;
             Require.Given("names", names);
-            cameras = new Shot(names, 1, 1, 4).Right.Select(Require.Given("make", make)).ToArray();
+            cameras = new CameraPictures(names, 1, 1, 4).Right.Select(Require.Given("make", make)).ToArray();
             textures = Array.ConvertAll(cameras, camera => camera.targetTexture);
             for (var i = 0; i < 4; i++) free.Push(new Taking(names, cameras));
             var turned = free.Peek().Readbacks[0].IsTurned();
@@ -45,10 +45,10 @@ namespace NetMQExample
             foreach (var readback in free.SelectMany(taking => taking.Readbacks)) readback.Turned = turned;
         }
 
-        /// <summary>How many shots since the first one were not sent, or not taken.</summary>
+        /// <summary>How many sets of pictures since the first one were not sent, or not taken.</summary>
         public long Skipped { get; private set; }
 
-        /// <summary>Takes what has come, and a new shot if the world has moved far enough. For Update.</summary>
+        /// <summary>Takes what has come, and new pictures if the world has moved far enough. For Update.</summary>
         /// <param name="drive">What is written beside the pictures.</param>
         /// <param name="wait">Whether the pictures are wanted in this very frame.</param>
         public void Poll(Drive drive, bool wait)
@@ -59,7 +59,7 @@ namespace NetMQExample
             // It is only ever held for an instant.
             lock (gate) taking = free.Pop();
             // Both now: what is written beside the pictures belongs to the moment that they show.
-            drive.Note(taking.Shot);
+            drive.Note(taking.Pictures);
             foreach (var readback in taking.Readbacks) readback.Begin();
             next = drive.Frame + steps;
             begun.Enqueue(taking);
@@ -68,8 +68,8 @@ namespace NetMQExample
             Collect();
         }
 
-        /// <summary>Waits for a shot that is newer than the last one, which must not be used any more. For the network
-        /// thread, which also makes the JPEG files.</summary>
+        /// <summary>Waits for pictures that are newer than the last ones, which must not be used any more. For the
+        /// network thread, which also makes the JPEG files.</summary>
         public Message Next(CancellationToken stop)
         {
             lock (gate)
@@ -78,11 +78,11 @@ namespace NetMQExample
                 for (sent = null; newest == null; Monitor.Wait(gate, 50)) stop.ThrowIfCancellationRequested();
                 (sent, newest) = (newest, null);
             }
-            var shot = sent.Shot;
-            if (number >= 0) Skipped += ((shot.Frame - number) / steps) - 1;
-            number = shot.Frame;
-            return shot.ToMessage(!jpeg ? (Func<byte[], byte[]>)null : pixels => ImageConversion.EncodeArrayToJPG(
-                pixels, GraphicsFormat.R8G8B8A8_SRGB, (uint)shot.Width, (uint)shot.Height));
+            var pictures = sent.Pictures;
+            if (number >= 0) Skipped += ((pictures.Frame - number) / steps) - 1;
+            number = pictures.Frame;
+            return pictures.ToMessage(!jpeg ? (Func<byte[], byte[]>)null : pixels => ImageConversion.EncodeArrayToJPG(
+                pixels, GraphicsFormat.R8G8B8A8_SRGB, (uint)pictures.Width, (uint)pictures.Height));
         }
 
         /// <summary>Takes the cameras away. For the main thread.</summary>
@@ -120,17 +120,18 @@ namespace NetMQExample
             }
         }
 
-        /// <summary>One shot, and where its pictures are.</summary>
+        /// <summary>One set of pictures, and where they are.</summary>
         private sealed class Taking
         {
-            public readonly Shot Shot;
+            public readonly CameraPictures Pictures;
             public readonly CameraReadback[] Readbacks;
 
             public Taking(string names, Camera[] cameras)
             {
                 var size = cameras[0].targetTexture;
-                Shot = new Shot(names, size.width, size.height, 4);
-                Readbacks = cameras.Zip(Shot.Pixels, (camera, pixels) => new CameraReadback(camera, pixels)).ToArray();
+                Pictures = new CameraPictures(names, size.width, size.height, 4);
+                Readbacks = cameras.Zip(Pictures.Pixels, (camera, pixels) => new CameraReadback(camera, pixels))
+                    .ToArray();
             }
 
             public bool Failed { get; private set; }

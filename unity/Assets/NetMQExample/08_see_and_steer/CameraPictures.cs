@@ -1,4 +1,4 @@
-// Lesson 08, a shot: the pictures of one moment, with their number and what the car did just then.
+// Lesson 08, the cameras' pictures of one moment, with their number and what the car did just then.
 //
 // Its buffers are used again and again: a new array for each picture would be collected only by the slowest of .NET's
 // collections. The numbers become a message on the network thread, so that a frame of Unity allocates nothing.
@@ -11,7 +11,7 @@ namespace NetMQExample
 {
     /// <summary>What is sent: kind <c>frame</c>, whose id is the picture's number, and one array for each
     /// camera.</summary>
-    public sealed class Shot
+    public sealed class CameraPictures
     {
         /// <summary>Makes room for pictures of uint8 [height, width, channels], the lowest row first.</summary>
         /// <param name="cameras">Their names: <c>center</c>; <c>left,right</c>; or <c>left,center,right</c>.</param>
@@ -19,7 +19,7 @@ namespace NetMQExample
         /// <param name="height">In pixels.</param>
         /// <param name="channels">3; or 4, with the alpha that graphics cards add, which Python drops.</param>
         /// <exception cref="ArgumentException">There are no such cameras.</exception>
-        public Shot(string cameras, int width, int height, int channels)
+        public CameraPictures(string cameras, int width, int height, int channels)
         {
             if (!(cameras == "center" || cameras == "left,right" || cameras == "left,center,right"))
                 throw new ArgumentException($"cameras are center, left,right or left,center,right, not '{cameras}'");
