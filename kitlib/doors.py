@@ -14,7 +14,7 @@ from kitlib.imports import DOORS, rooms
 LOADS = """
 def __getattr__(name):
     if name not in ROOMS:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r} in this copy")
     return getattr(importlib.import_module(ROOMS[name]), name)
 
 def __dir__():

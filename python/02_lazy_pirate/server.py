@@ -59,9 +59,9 @@ def main() -> None:
                     source = ", from the journal"
                 else:
                     reply = journal.do(request_id, text_of(text), answer)
-            fate = {options.crash_on: ", crash", options.drop: ", dropped"}.get(number, "")
+            fault = {options.crash_on: ", crash", options.drop: ", dropped"}.get(number, "")
             if reply and not reply.startswith("error:"):
-                print(f"request {number}, {request_id[:10]!r}: {reply!r:.80}{source}{fate}", flush=True)
+                print(f"request {number}, {request_id[:10]!r}: {reply!r:.80}{source}{fault}", flush=True)
             if number == options.crash_on:
                 os._exit(1)
             if reply and number != options.drop:

@@ -26,8 +26,8 @@ else:
     def __getattr__(name):
         if importlib.util.find_spec(f"netmq_example.{name}"):
             # It is a module: `from netmq_example import check` asks here before it imports one.
-            raise AttributeError(name)
+            raise AttributeError(f"netmq_example.{name} is a module, which must be imported")
         return getattr(importlib.import_module("netmq_example.front_door"), name)
 
     def __dir__():
-        return [*globals(), *__getattr__("__all__")]
+        return sorted({*globals(), *__getattr__("__all__")})

@@ -34,6 +34,8 @@ def importing(needs: str, stopped: str | None = None) -> Iterator[None]:
     try:
         yield
     except ImportError as error:
+        if str(error.name).startswith("netmq_example"):
+            raise SystemExit(f"{error}: CHANGELOG.md says what has another name now") from None
         # Beyond the colon stands how it is installed without the kit.
         why = str(error).partition(": ")[0] if isinstance(error, ModuleNotFoundError) else error
         raise SystemExit(f"{why}: this lesson needs {needs}") from None

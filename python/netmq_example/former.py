@@ -47,7 +47,7 @@ def positional(*names: str) -> Callable[[Callable[P, None]], Callable[P, None]]:
             cure = f"write {name}(endpoint, timeout=…), and have logging report"
             warnings.warn(cure, DeprecationWarning, stacklevel=2)
             words = dict(zip(names, args, strict=False)) | words
-            report = words.pop("report", None)
+            report = words.pop("report", words.pop("log", None))
             cast(Any, init)(self, **words)
             if report:
                 self.report = report
@@ -60,7 +60,7 @@ def positional(*names: str) -> Callable[[Callable[P, None]], Callable[P, None]]:
 def is_former(args: tuple[Any, ...], words: dict[str, Any], names: tuple[str, ...]) -> bool:
     first = args[0] if args else None
     is_long = len(args) > 1 and names[0] == "endpoint"
-    return "report" in words or isinstance(first, zmq.Context | zmq.Socket) or is_long
+    return "report" in words or "log" in words or isinstance(first, zmq.Context | zmq.Socket) or is_long
 
 
 def moved(old: str, new: str) -> None:

@@ -122,7 +122,7 @@ class Server(OneProcess):
                 keys.answer(context)
                 keys.guard(self.socket)
             self.endpoint = bind(self.socket, endpoint)
-            stack.enter_context(answering(beacon and beacon_name("beacon", beacon), self.endpoint))
+            stack.enter_context(answering(None if beacon is None else beacon_name("beacon", beacon), self.endpoint))
             # A byte through this pair wakes the thread with the ZeroMQ socket, on every system.
             self.wake_reader, self.wake_writer = map(stack.enter_context, sockets.socketpair())
             if workers:

@@ -12,7 +12,7 @@ namespace NetMQExample
     public interface IStepsOthers { }
 
     /// <summary>A scene as a Gymnasium environment: say what can be seen and done, and reset, apply, observe,
-    /// judge.</summary>
+    /// reward and end.</summary>
     public abstract class PythonEnvironment : SimulatorBehaviour, ISimulation
     {
         [SerializeField, Tooltip("The environment")] private string endpoint = "tcp://127.0.0.1:5559";

@@ -9,7 +9,7 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>A scene as a PettingZoo environment: declare the agents and their spaces, then write reset, apply,
-    /// observe and judge.</summary>
+    /// observe, reward and end.</summary>
     public abstract class PythonAgents : SimulatorBehaviour, IAgentSimulation
     {
         [SerializeField, Tooltip("The environment")] private string endpoint = "tcp://127.0.0.1:5560";
