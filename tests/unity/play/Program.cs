@@ -14,6 +14,7 @@
 //     … play.dll areas 16 play --endpoint …              lesson 10's areas in a scene; see ManyAreas.cs
 //     … play.dll quiet world --endpoint …                what frames cost in which Python steps; see Quiet.cs
 //     … play.dll keys                                    what ArrowKeys makes of the Input System; see Keys.cs
+//     … play.dll views front front                     a Play of lesson 12 with cameras of these names
 //     … play.dll forgotten                               no Play: a socket is not disposed, and the process ends
 //
 // "play 1 tcp://127.0.0.1:5551 2" has two of lesson 1's clients in the scene. It prints "ready", "playing", what the
@@ -56,6 +57,7 @@ namespace NetMQExample.PlayTest
                 case "rays": return Rays.Run();
                 case "drive": return Drives.Run(words.Skip(1).ToArray());
                 case "body": return Bodies.Run(words.Skip(1).ToArray());
+                case "views": return Views(words.Skip(1).ToArray());
                 case "forgotten": return Forget();
                 case "flood": return Flood(words[1], words[2], int.Parse(words[3], CultureInfo.InvariantCulture));
                 case "wrong": return Wrong(words);
@@ -187,6 +189,20 @@ namespace NetMQExample.PlayTest
                 UntilDone(player);
             }
             return 0;
+        }
+
+        private static int Views(string[] names)
+        {
+            var player = new Player(typeof(NetMQLifetime).Assembly);
+            player.Begin(() =>
+            {
+                var thing = new GameObject("views");
+                thing.SetActive(false);
+                var recorder = thing.AddComponent<ViewRecorder>();
+                recorder.Cameras.AddRange(names.Select(name => new GameObject(name).AddComponent<Camera>()));
+                thing.SetActive(true);
+            });
+            return UntilDone(player);
         }
 
         private static int UntilDone(Player player)
