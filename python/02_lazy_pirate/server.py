@@ -33,8 +33,8 @@ def answer(db: Connection, text: str) -> str:
     """Your own work goes here. Its changes in the database and the journal's entry are one transaction."""
     if not (asked := re.fullmatch(r"add ([0-9]{1,9})|balance", text)):
         return "error: expected 'add 1' or 'balance'"
-    change = "UPDATE account SET balance = balance + ? RETURNING balance"
-    return str(db.execute(change, (int(asked[1] or 0),)).fetchone()[0])
+    db.execute("UPDATE account SET balance = balance + ?", (int(asked[1] or 0),))
+    return str(db.execute("SELECT balance FROM account").fetchone()[0])
 
 
 def main() -> None:
