@@ -14,7 +14,7 @@ from kitlib.imports import DOORS, rooms
 LOADS = """
 def __getattr__(name):
     if name not in ROOMS:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r} in this copy")
+        raise AttributeError(f"{name} is not in this copy; kit.py copy netmq_example FOLDER brings all of {__name__}")
     return getattr(importlib.import_module(ROOMS[name]), name)
 
 def __dir__():

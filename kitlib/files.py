@@ -43,7 +43,7 @@ def news(folder: Path, files: Mapping[str, bytes], known: Mapping[str, str], oth
     found = {name: data for name, data in files.items() if there.get(name) != digest(data)}
     changed = [name for name in found if name in there and there[name] != known.get(name)]
     if changed and otherwise:
-        more = f" and {len(changed) - 1} more" if len(changed) > 1 else ""
+        more = f" (and {len(changed) - 1} more)" if len(changed) > 1 else ""
         raise KitError(f"{changed[0]}{more} {otherwise}: nothing was copied; --force overwrites it")
     return found
 

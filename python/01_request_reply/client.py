@@ -45,7 +45,7 @@ def main() -> None:
     parser.add_argument("--send-twice", action="store_true", help="send a second request before the reply")
     options = parser.parse_args()
     if len(options.text.encode(errors="replace")) > LARGEST_BYTES:
-        parser.error(f"--text takes at most {LARGEST_BYTES} bytes: the server would disconnect who sends more")
+        parser.error(f"--text takes at most {LARGEST_BYTES} bytes: the server disconnects a client that sends more")
     with connected(zmq.REQ, options) as socket:
         if options.send_twice:
             show_refusal(socket, options.text, options.timeout)

@@ -3,7 +3,8 @@
     from netmq_example import BackgroundClient, serve
 
 A name is loaded when it is first used. All of them need pyzmq alone; `Array.numpy` and `Array.of` need numpy. Others
-are at doors of their own: netmq_example.envs, .sb3, .video, .camera, .security and .program.
+are in packages of their own: netmq_example.envs, .sb3, .video, .camera, .security and .program. A copy of a lesson has
+fewer names; `kit.py copy netmq_example FOLDER` brings all.
 """
 
 import importlib.util

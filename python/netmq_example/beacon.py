@@ -64,7 +64,7 @@ def answering(name: str | None, endpoint: str) -> Iterator[None]:
         return
     host, _, port = endpoint.partition("://")[2].rpartition(":")
     if host.startswith("127."):
-        cure = f"listen on tcp://0.0.0.0:{port}, open to anyone or with keys"
+        cure = f"give the endpoint tcp://0.0.0.0:{port}, with --open-to-anyone, open_to_anyone or keys"
         raise Error(f"no beacon for {endpoint}, which no other machine reaches: {cure}")
     over = threading.Event()
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as ear:

@@ -44,7 +44,7 @@ def positional(*names: str) -> Callable[[Callable[P, None]], Callable[P, None]]:
                 cast(Any, init)(self, *args, **words)
                 return
             name = type(self).__name__
-            cure = f"write {name}(endpoint, timeout=…), and have logging report"
+            cure = f"write {name}(endpoint, …) with all others by name; its reports go to logging"
             warnings.warn(cure, DeprecationWarning, stacklevel=2)
             words = dict(zip(names, args, strict=False)) | words
             report = words.pop("report", words.pop("log", None))

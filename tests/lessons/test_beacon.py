@@ -160,7 +160,7 @@ def test_a_server_that_others_cannot_reach_says_so(runs):
     words = ["--endpoint", "tcp://127.0.0.1:0", "--beacon"]
     alone, nameless = runs("server", "04_background_client", [[*words, "lab"], [*words, "my lab"]])
     assert alone.code == 1
-    assert "which no other machine reaches: listen on tcp://0.0.0.0:" in alone.lines[-1]
+    assert "which no other machine reaches: give the endpoint tcp://0.0.0.0:" in alone.lines[-1]
     assert nameless.code == 2 and "argument --beacon: it takes 1 to 32 letters" in nameless.lines[-1]
 
 

@@ -111,7 +111,11 @@ class Film(ABC):
         self.shape: tuple[int, ...] = ()
         # When the first picture was seen.
         self.began = 0.0
-        self.file = WholeWrites(path, "x")
+        try:
+            self.file = WholeWrites(path, "x")
+        except OSError as error:
+            why = error.strerror or error
+            raise OSError(f"cannot write {path}: {why}; name a file in a folder that you may write into") from None
 
     def add(self, picture: Any, time: float) -> None:
         """The next picture, uint8 [height, width, 3], [height, width, 4] or grey [height, width], and the second at
