@@ -40,12 +40,12 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def do(options: argparse.Namespace) -> int:
     """Fetch everything that the lessons and their tests need. What is there for another system stays."""
-    sdk = dotnet.sdk()
-    if not sdk:
-        raise KitError(dotnet.DOWNLOAD)
     folder, system, version = options.folder, options.system, options.python
     if not re.fullmatch(r"3\.(1[1-9]|[2-9]\d)(\.\d+)?", version):
         raise UsageError(f"--python takes a version of 3.11 or later, such as 3.13, not {version}")
+    sdk = dotnet.sdk()
+    if not sdk:
+        raise KitError(dotnet.DOWNLOAD)
     folder.mkdir(parents=True, exist_ok=True)
     for tags in SYSTEMS[system]:
         wheels(folder, system, version, tags)

@@ -88,6 +88,7 @@ def lessons_02_to_07(context, folder):
 
 def lesson_08(context, folder):
     np = pytest.importorskip("numpy", reason="lesson 08 needs numpy: kit.py run 8 installs it")
+    pytest.importorskip("PIL", reason="lesson 08 needs Pillow: kit.py run 8 installs it")
     from netmq_example.camera import pictures
     from netmq_example.camera.recording import Recorder, recorded
     from netmq_example.worlds.road import Car, DrawnCamera, Road
