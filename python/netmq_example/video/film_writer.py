@@ -252,7 +252,7 @@ class AvFilm(Film):
         try:
             self.stream.codec_context.open()
         except pyav().FFmpegError as error:
-            raise OSError(f"{self.how.codec} has no pictures of {width} x {height}: {error}") from None
+            raise OSError(f"{self.how.codec} has no pictures of {width} x {height}, give another size: {error}") from None
 
     def write(self, packets: list[Any]) -> None:
         for packet in packets:

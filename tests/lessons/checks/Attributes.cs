@@ -68,7 +68,8 @@ namespace NetMQExample.Tests
         [Box(".twice", "<f8")] private readonly MessageArray doubled = new("float64", new byte[8]);
         [Box(".bit", "bool")] private readonly bool bit = true;
         [Box(".wide", "int16")] private readonly short wide = -1;
-        [Graph] private readonly GraphInstance plain = new(new[,] { { 1f, 2 } }, new[] { new[] { 3.0 } },
+        [Graph]
+        private readonly GraphInstance plain = new(new[,] { { 1f, 2 } }, new[] { new[] { 3.0 } },
             new[,] { { 0, 0 } });
         [Box(null, "float32")] private readonly int exact = 16777216;
         [Discrete] private readonly long most = long.MaxValue;
@@ -78,7 +79,8 @@ namespace NetMQExample.Tests
 
         public override string Says => "not this";
 
-        [Graph] private GraphInstance Edges { get; } = new(new MessageArray("int64", new byte[16], 2),
+        [Graph]
+        private GraphInstance Edges { get; } = new(new MessageArray("int64", new byte[16], 2),
             new MessageArray("int64", new byte[8], 1), new MessageArray("int32", new byte[8], 1, 2));
     }
 

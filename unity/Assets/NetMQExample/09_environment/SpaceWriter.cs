@@ -1,7 +1,7 @@
 // Lesson 09, an observation: its numbers, one after the other, or a value of any space.
 //
 //     seen.Add(place, speed, angle, turning);             a Box of four
-//     seen.Add(view.Observe(pixels)).Add(speed);             a Dict of a picture and a number, in the order of its parts
+//     seen.Add(view.Observe(pixels)).Add(speed);          a Dict of a picture and a number, in the order of its parts
 //     seen.Set(new Dictionary<string, object> { ["says"] = "hello", ["left"] = 3 });          any space
 using System;
 using System.Buffers;
