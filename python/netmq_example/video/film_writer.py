@@ -252,7 +252,8 @@ class AvFilm(Film):
         try:
             self.stream.codec_context.open()
         except pyav().FFmpegError as error:
-            raise OSError(f"{self.how.codec} has no pictures of {width} x {height}, give another size: {error}") from None
+            cure = "give them another size"
+            raise OSError(f"{self.how.codec} has no pictures of {width} x {height} ({error}): {cure}") from None
 
     def write(self, packets: list[Any]) -> None:
         for packet in packets:
