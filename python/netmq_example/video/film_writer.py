@@ -114,8 +114,8 @@ class Film(ABC):
         try:
             self.file = WholeWrites(path, "x")
         except OSError as error:
-            why = error.strerror or error
-            raise OSError(f"cannot write {path}: {why}; name a file in a folder that you may write into") from None
+            cure = "name a file in a folder that you may write into"
+            raise type(error)(f"cannot write {path}: {error.strerror or error}; {cure}") from None
 
     def add(self, picture: Any, time: float) -> None:
         """The next picture, uint8 [height, width, 3], [height, width, 4] or grey [height, width], and the second at
