@@ -29,7 +29,6 @@ from typing import Any
 
 import zmq
 
-AGAIN_SECONDS = 0.01
 PYZMQ = str(Path(zmq.__file__).parent)
 MAKERS = ("socket", "__init__", "__new__")
 
@@ -118,7 +117,7 @@ def interrupt(number: int, frame: FrameType | None) -> None:
 def later(number: int) -> None:
     # At the end of the interpreter no thread can be started any more; and the program ends.
     with contextlib.suppress(RuntimeError):
-        threading.Timer(AGAIN_SECONDS, again, [number]).start()
+        threading.Timer(0.01, again, [number]).start()
 
 
 def again(number: int) -> None:

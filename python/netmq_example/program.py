@@ -180,8 +180,8 @@ def limit(socket: Socket, largest: int = LARGEST_BYTES) -> None:
     """The limits of every socket: what nobody fetched goes at the end, and neither a frame nor many fill the memory."""
     socket.linger = 0
     socket.maxmsgsize = largest
-    # ZeroMQ's own count is 1000.
-    socket.rcvhwm = min(1000, max(2, WAITING_BYTES // largest))
+    if largest > LARGEST_BYTES:
+        socket.rcvhwm = max(2, WAITING_BYTES // largest)
 
 
 def receive(socket: Socket, timeout: float = math.inf, copy: bool = True) -> list[Any]:
@@ -189,7 +189,7 @@ def receive(socket: Socket, timeout: float = math.inf, copy: bool = True) -> lis
     end = time.monotonic() + timeout
     while True:
         try:
-            return list(socket.recv_multipart(0, copy))
+            return socket.recv_multipart(0, copy)
         except zmq.Again:
             if time.monotonic() >= end:
                 raise

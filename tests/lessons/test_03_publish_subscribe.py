@@ -9,6 +9,7 @@ import time
 import pytest
 import zmq
 
+from netmq_example.topic_listener import TopicListener
 from tests.conftest import CLIENTS
 from tests.lessons.conftest import on_the_circle, where
 from tests.programs import LIMIT, MovingName
@@ -47,6 +48,17 @@ def test_a_topic_is_a_prefix_and_a_delimiter_cures_it(kind, serve, run):
 
 
 # With a publisher of the test's own, which decides on every message
+
+
+def test_a_high_watermark_is_that_of_the_socket(context):
+    """The limits of a listener leave it alone, also that of a socket of the user's own."""
+    endpoint = "tcp://127.0.0.1:9"
+    with TopicListener(endpoint, high_watermark=7, context=context) as listener:
+        assert listener.socket.rcvhwm == 7
+    with context.socket(zmq.SUB) as socket:
+        socket.rcvhwm = 3
+        with TopicListener(endpoint, socket=socket):
+            assert socket.rcvhwm == 3
 
 
 @pytest.mark.parametrize(
