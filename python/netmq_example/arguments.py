@@ -1,6 +1,6 @@
 """More rules, as those of check.py, which no program of a lesson needs by itself.
 
-self.timeout = check.seconds("timeout", timeout)
+self.dt = arguments.number("dt", dt, least=0)
 """
 
 import math

@@ -20,9 +20,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from netmq_example.errors import Error
-from netmq_example.trouble import LOOK_UP_SECONDS as LOOK_UP_SECONDS
-from netmq_example.trouble import cure as cure
-from netmq_example.trouble import unknown_host as unknown_host
+from netmq_example.trouble import cure
 
 if sys.platform != "win32":
     import fcntl

@@ -47,7 +47,7 @@ class Journal(OneProcess):
 
         Error: it cannot be used.
         """
-        self.path = self.endpoint = path = os.fspath(check.instance("path", path, str, os.PathLike))
+        self.path = path = os.fspath(check.instance("path", path, str, os.PathLike))
         self.usable = True
         try:
             # To SQLite these names mean a journal in memory, which forgets.

@@ -17,13 +17,13 @@ from collections.abc import Callable
 import zmq
 
 from netmq_example import arguments, check
-from netmq_example.beacon import LOOK_UP_SECONDS, BeaconSearch
+from netmq_example.beacon import BeaconSearch
 from netmq_example.console import printable
 from netmq_example.errors import Closed, Refused, Timeout
 from netmq_example.former import positional
 from netmq_example.one_process import Keys, OneProcess, one_at_a_time
 from netmq_example.program import Context, Socket, encoded, limit, text_of
-from netmq_example.trouble import longer, tried
+from netmq_example.trouble import LOOK_UP_SECONDS, longer, tried
 
 # The longest wait in one piece, in milliseconds: between two of them stop() is noticed and, on Windows, Ctrl-C.
 SLICE_MS = 50

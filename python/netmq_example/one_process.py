@@ -23,7 +23,7 @@ class Keys(Protocol):
 
 
 class OneProcess:
-    """With `close()` it is a context manager, too; and what has an `endpoint` shows it."""
+    """With `close()` it is a context manager, too; and what has an `endpoint`, or a `path`, shows it."""
 
     process_id: int
     at_work: threading.Lock
@@ -48,7 +48,7 @@ class OneProcess:
         self.close()
 
     def __repr__(self) -> str:
-        return f"{type(self).__name__}({getattr(self, 'endpoint', '')!r})"
+        return f"{type(self).__name__}({getattr(self, 'endpoint', getattr(self, 'path', ''))!r})"
 
     def __reduce_ex__(self, protocol: Any) -> NoReturn:
         name = type(self).__name__

@@ -15,11 +15,12 @@ from collections.abc import Iterator
 import zmq
 
 from netmq_example import arguments, check
-from netmq_example.beacon import LOOK_UP_SECONDS, BeaconSearch
+from netmq_example.beacon import BeaconSearch
 from netmq_example.errors import Closed, Timeout
 from netmq_example.former import positional
 from netmq_example.one_process import Keys, OneProcess
 from netmq_example.program import LARGEST_BYTES, SLICE_MS, Context, Socket, limit, text_of
+from netmq_example.trouble import LOOK_UP_SECONDS
 
 # A silent publisher, such as a laptop that sleeps, is asked so often, and gets a new connection, for which libzmq looks
 # its name up again, if it does not answer for so long. The two together are less than the 5 s a client waits.

@@ -17,7 +17,6 @@ import traceback
 from collections.abc import Callable
 
 from netmq_example import console
-from netmq_example.console import printable
 from netmq_example.errors import Misfit
 
 PAUSE_SECONDS = 1.0
@@ -78,7 +77,7 @@ def told(error: BaseException) -> str:
         log.error("a mistake in answer", exc_info=error)
     else:
         report(text)
-    return f"error: {printable(text, LONGEST_MISTAKE)}"
+    return f"error: {console.printable(text, LONGEST_MISTAKE)}"
 
 
 # In characters. A longer reply than the limit would be dropped by the client, with the connection.
