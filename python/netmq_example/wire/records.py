@@ -1,78 +1,194 @@
 """Resets and steps as bytes: what an environment asks of its simulator and what that answers, each in one frame.
 
-    request = Record(ASKS, 7, seeds([0]), [STEP], [action])
-    record = read(ASKS, request.frame())                                record.rows[0], record.flags[0]
-    answer = Record(ANSWERS, record.id, rewards([1.0]), [TERMINATED], [seen])
+    request = Record(ASKS, 7, [Section(0, seeds([3]), bytes([RESET]))])
+    record = read(ASKS, request.frame())                            record.sections[0].marks[0]
+    answer = Record(ANSWERS, record.id, [Section(0, rewards([0.0]), bytes([SEEN]), values=row)])
 
-All numbers are little-endian; n is how many there are, areas or agents, each of which has a row.
+All numbers are little-endian. Every part begins at a multiple of 8, with zeros before it.
 
-    0            uint8       1: a request, 2: an answer; a message of lesson 05 begins with {, which is 123
-    1            uint8       1: there is an exchange of side channels (lesson 13), else 0
-    2            uint16      0
-    4            uint32      n
-    8            int64       the id of the request, and of its answer
-    16           uint32      how many bytes of options there are
-    20           uint32      how many bytes the exchange has
-    24           n * 8       of a request the seeds, int64; of an answer the rewards, float64
-    24 + 8 n     n * 4       uint32, how many bytes each row has
-    24 + 12 n    n * 4       uint32, how many bytes each info has
-    24 + 16 n    n           uint8: of a request 0 nothing, 1 step, 2 reset; of an answer 1 terminated + 2 truncated,
-                             or 4, this agent is not there
-    24 + 17 n                the options, the exchange, the rows, the infos
+     0  uint8     3: a request, 4: an answer; a message of lesson 05 begins with {, which is 123
+     1  uint8     1: there is an exchange of side channels (lesson 13), 2: who ends begins anew within this exchange,
+                  4: the scene's clock, 8: real time
+     2  uint16    how many sections there are             4  uint32  0
+     8  int64     the id of the request, and of its answer
+    16  uint32    how many bytes of options or infos      20  uint32  how many bytes the exchange has
+    24            the options of a reset, or in an answer the scene's own infos: a value (trees.py); the exchange; and
+                  the sections, one for each kind of agent, and with ENDED one more of those that have ended
 
-A row is an action or an observation, as its space says (spaces.py). Options are those of a reset, and infos those of a
-step; both are values (trees.py), or empty. A request has a row for each that steps, an answer for each that is there.
+A section has n rows, and row i is agent i of its kind, unless WHO says whose it is:
+
+     0  uint16    the kind, its place in the hello         2  uint16  columns, see below
+     4  uint32    n      8  uint32  i, how many infos      12  uint32  bytes of values     16  uint32  bytes of infos
+    20  uint32    0
+    24            of a request n int64, the seeds; of an answer n float64, the rewards
+                  n uint8, of a request 0 nothing, 1 step, 2 reset, 3 step and then your time is up; of an answer
+                  1 terminated + 2 truncated + 4 not there + 8 new + 16 wants an action + 32 has a row of values
+        WHO     1 n uint32
+        IDS     2 n int32, episodes; the scene's clock only
+        GROUPS  4 n int32, groups, and n float32, their rewards
+        MASKS   8 n uint8 for each choice of the hello
+        SIZES  16 uint32 for each row of values: its size; without it all are of one size
+        FORM   32 uint32, how many bytes, and the form of all rows in ASCII: a row then has only its numbers
+        ENDED  64 these have ended in this exchange
+                  the values: an action for each that steps, or an observation for each mark with 32
+                  i pairs of uint32, row and size, and then the infos: values
+
 In C# it is Records.cs. MessageError says what is wrong with what a peer sent. It needs only Python.
 """
 
-import itertools
 import math
 import struct
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from netmq_example import messages
 from netmq_example.messages import EXACT, LIMIT, MessageError
 
-ASKS, ANSWERS = 1, 2
-NOTHING, STEP, RESET = 0, 1, 2
-TERMINATED, TRUNCATED, ABSENT = 1, 2, 4
+ASKS, ANSWERS = 3, 4
+EXCHANGE, AUTORESET, SCENE_CLOCK, REAL_TIME = 1, 2, 4, 8
+NOTHING, STEP, RESET, LAST = 0, 1, 2, 3
+TERMINATED, TRUNCATED, ABSENT, NEW, WANTS, SEEN = 1, 2, 4, 8, 16, 32
+WHO, IDS, GROUPS, MASKS, SIZES, FORM, ENDED = 1, 2, 4, 8, 16, 32, 64
 HEAD = struct.Struct("<BBHIqII")
-# For each row a number, two sizes and a mark.
-EACH = 17
+SECTION = struct.Struct("<HHIIIII")
+SIZE = struct.Struct("<I")
+# Zeros up to a multiple of 8.
+ZEROS = [bytes(-size % 8) for size in range(8)]
+# The marks whose row has no values, of a request and of an answer.
+WITHOUT_VALUES = {
+    ASKS: bytes(mark for mark in range(256) if mark not in (STEP, LAST)),
+    ANSWERS: bytes(mark for mark in range(256) if not mark & SEEN),
+}
+MOST_MARK = {ASKS: LAST, ANSWERS: 2 * SEEN - 1}
 
 
-class Record:
-    """`numbers` are the bytes of seeds or rewards, `flags` orders or ends; without an exchange that is None."""
+class Section:
+    """The rows of one kind. All parts are bytes, as they stand in a frame; `infos` are the pairs and then the infos."""
 
-    __slots__ = ("exchange", "flags", "id", "infos", "kind", "numbers", "options", "rows")
+    __slots__ = ("columns", "form", "groups", "ids", "infos", "kind", "marks", "masks", "numbers", "sizes", "table",
+                 "values", "who")  # fmt: skip
 
     def __init__(
         self,
         kind: int,
-        id: int,
         numbers: Any,
-        flags: Iterable[int],
-        rows: Sequence[Any],
-        infos: Sequence[Any] = (),
-        options: Any = b"",
-        exchange: Any = None,
+        marks: bytes,
+        *,
+        values: Any = b"",
+        columns: int = 0,
+        who: Any = b"",
+        ids: Any = b"",
+        groups: Any = b"",
+        masks: Any = b"",
+        sizes: Any = b"",
+        form: bytes = b"",
+        table: Any = b"",
+        infos: Any = b"",
+    ) -> None:
+        self.kind = kind
+        self.numbers = numbers
+        self.marks = marks
+        self.values = values
+        self.columns = columns
+        self.who = who
+        self.ids = ids
+        self.groups = groups
+        self.masks = masks
+        self.sizes = sizes
+        self.form = form
+        self.table = table
+        self.infos = infos
+
+    def parts(self) -> list[Any]:
+        count = len(self.marks)
+        values = self.values
+        parts = [
+            SECTION.pack(
+                self.kind, self.columns, count, len(self.table) // 8, len(values), len(self.infos), 0
+            ),
+            self.numbers,
+            self.marks,
+            ZEROS[count % 8],
+        ]
+        if self.columns:
+            for column in (self.who, self.ids, self.groups, self.masks, self.sizes):
+                parts += [column, ZEROS[len(column) % 8]]
+            if self.columns & FORM:
+                parts += [SIZE.pack(len(self.form)), self.form, ZEROS[(SIZE.size + len(self.form)) % 8]]
+        parts += [values, ZEROS[len(values) % 8]]
+        if self.table:
+            parts += [self.table, self.infos, ZEROS[len(self.infos) % 8]]
+        return parts
+
+    def whose(self) -> Sequence[int]:
+        """The agent of each row."""
+        return self.who.cast("I") if self.columns & WHO else range(len(self.marks))
+
+    def rows(self, kind: int) -> list[Any]:
+        """The values of each row, or None; `kind` is that of the record."""
+        without = WITHOUT_VALUES[kind]
+        count = len(self.marks.translate(None, without))
+        each = iter(self.parted(count))
+        return [None if mark in without else next(each) for mark in self.marks]
+
+    def parted(self, count: int) -> Iterator[Any]:
+        at = 0
+        if self.columns & SIZES:
+            sizes = struct.unpack(f"<{count}I", self.sizes)
+        else:
+            sizes = (len(self.values) // count,) * count if count else ()
+        for size in sizes:
+            yield self.values[at : at + size]
+            at += size
+
+    def each_info(self) -> Iterator[tuple[int, Any]]:
+        """Rows with what was said of them."""
+        at = 0
+        for row, size in struct.iter_unpack("<II", self.table):
+            yield row, self.infos[at : at + size]
+            at += size
+
+
+def with_infos(section: Section, infos: dict[int, bytes]) -> Section:
+    """The same section, which says this of these rows."""
+    section.table = b"".join(struct.pack("<II", row, len(data)) for row, data in infos.items())
+    section.infos = b"".join(infos.values())
+    return section
+
+
+def with_sizes(section: Section, rows: Sequence[bytes]) -> Section:
+    """The same section with these values; where their sizes differ, each is said."""
+    section.values = b"".join(rows)
+    if len({*map(len, rows)}) > 1:
+        section.columns |= SIZES
+        section.sizes = struct.pack(f"<{len(rows)}I", *map(len, rows))
+    return section
+
+
+class Record:
+    """`said` are the options of a request, or the scene's infos of an answer; without an exchange that is None."""
+
+    __slots__ = ("bits", "exchange", "id", "kind", "said", "sections")
+
+    def __init__(
+        self, kind: int, id: int, sections: list[Section], bits: int = 0, said: Any = b"", exchange: Any = None
     ) -> None:
         self.kind = kind
         self.id = id
-        self.numbers = numbers
-        self.flags = bytes(flags)
-        self.rows = rows
-        self.infos = infos or [b""] * len(rows)
-        self.options = options
+        self.sections = sections
+        self.bits = bits
+        self.said = said
         self.exchange = exchange
 
     def frame(self) -> bytes:
-        count = len(self.flags)
+        said = self.said
         exchange = b"" if self.exchange is None else self.exchange
-        head = HEAD.pack(self.kind, self.exchange is not None, 0, count, self.id, len(self.options), len(exchange))
-        sizes = struct.pack(f"<{2 * count}I", *map(len, self.rows), *map(len, self.infos))
-        whole = b"".join((head, self.numbers, sizes, self.flags, self.options, exchange, *self.rows, *self.infos))
+        bits = self.bits & ~EXCHANGE if self.exchange is None else self.bits | EXCHANGE
+        head = HEAD.pack(self.kind, bits, len(self.sections), 0, self.id, len(said), len(exchange))
+        parts = [head, said, ZEROS[len(said) % 8], exchange, ZEROS[len(exchange) % 8]]
+        for section in self.sections:
+            parts += section.parts()
+        whole = b"".join(parts)
         if len(whole) > LIMIT:
             raise too_big(len(whole))
         return whole
@@ -81,41 +197,119 @@ class Record:
         """As a message of lesson 05 has them."""
         return [self.frame()]
 
+    def has(self, order: int) -> bool:
+        """Whether any row has this order."""
+        return any(order in section.marks for section in self.sections)
+
 
 def is_record(frames: list[Any]) -> bool:
-    return len(frames) == 1 and bytes(memoryview(frames[0])[:1]) in (b"\1", b"\2")
+    return len(frames) == 1 and bytes(memoryview(frames[0])[:1]) in (b"\1", b"\2", b"\3", b"\4")
 
 
-def read_frames(kind: int, frames: list[Any]) -> Any:
+def read_frames(kind: int, frames: list[Any], choices: Sequence[int] = ()) -> Any:
     """The received Record of this kind, or Message."""
-    return read(kind, frames[0]) if is_record(frames) else messages.Message.read(frames)
+    return read(kind, frames[0], choices) if is_record(frames) else messages.Message.read(frames)
 
 
-def read(kind: int, frame: Any) -> Record:
-    """The record in a frame, which is not copied."""
+def read(kind: int, frame: Any, choices: Sequence[int] = ()) -> Record:
+    """The record in a frame, which is not copied. `choices` are how many a mask of each kind has."""
     view = memoryview(frame).cast("B")
-    if len(view) > LIMIT:
-        raise too_big(len(view))
-    if len(view) < HEAD.size:
+    size = len(view)
+    if size > LIMIT:
+        raise too_big(size)
+    if size < HEAD.size:
         raise bad("it ends too early")
-    found, has_exchange, _, count, id, options, exchange = HEAD.unpack_from(view)
+    found, bits, count, zero, id, said, exchange = HEAD.unpack_from(view)
+    if found in (1, 2):
+        raise MessageError("old-record", "the other side speaks the record of an older kit: update the one that is older")
     # An id beyond EXACT could not be named in an error, which is a message.
-    if found != kind or not 0 < count <= len(view) // EACH or not 0 <= id < EXACT:
-        raise bad(f"kind {found}, id {id} and {count} rows cannot be")
-    at = HEAD.size + 8 * count
-    begin = HEAD.size + EACH * count
-    if len(view) < begin:
+    if found != kind or bits > 15 or zero or not 0 <= id < EXACT:
+        raise bad(f"kind {found}, bits {bits} and id {id} cannot be")
+    if exchange and not bits & EXCHANGE:
+        raise bad("an exchange that its bits deny")
+    at = HEAD.size
+    after = at + said + -said % 8
+    end = after + exchange + -exchange % 8
+    if end > size:
         raise bad("it ends too early")
-    sizes = struct.unpack_from(f"<{2 * count}I", view, at)
-    flags = bytes(view[begin - count : begin])
-    if max(flags) > (RESET if kind == ASKS else TERMINATED | TRUNCATED | ABSENT):
-        raise bad(f"mark {max(flags)} is none")
-    ends = list(itertools.accumulate((options, exchange, *sizes), initial=begin))
-    if ends[-1] != len(view):
-        raise bad(f"it has {len(view)} bytes in place of {ends[-1]}")
-    parts = [view[one:other] for one, other in itertools.pairwise(ends)]
-    rows, infos = parts[2 : 2 + count], parts[2 + count :]
-    return Record(kind, id, view[HEAD.size : at], flags, rows, infos, parts[0], parts[1] if has_exchange & 1 else None)
+    record = Record(kind, id, [], bits, view[at : at + said], view[after : after + exchange] if bits & EXCHANGE else None)
+    for _ in range(count):
+        section, end = read_section(kind, view, end, choices)
+        record.sections.append(section)
+    if end != size:
+        raise bad(f"it has {size} bytes in place of {end}")
+    return record
+
+
+def read_section(kind: int, view: memoryview, at: int, choices: Sequence[int]) -> tuple[Section, int]:
+    size = len(view)
+    if at + SECTION.size > size:
+        raise bad("it ends too early")
+    which, columns, count, infos, values, info_bytes, zero = SECTION.unpack_from(view, at)
+    begin = at + SECTION.size
+    at = begin + 9 * count + -count % 8
+    # Looked at before anything is made of it: a frame may claim thousands of millions.
+    if at + values + 8 * infos + info_bytes > size:
+        raise bad("it ends too early")
+    end_of_numbers = begin + 8 * count
+    marks = bytes(view[end_of_numbers : end_of_numbers + count])
+    if zero or columns > 127 or infos > count or (marks and max(marks) > MOST_MARK[kind]):
+        raise bad(f"a section of {count} rows, columns {columns} and {infos} infos cannot be")
+    section = Section(which, view[begin:end_of_numbers], marks, columns=columns)
+    rows = len(marks.translate(None, WITHOUT_VALUES[kind]))
+    if columns:
+        at = read_columns(section, view, at, rows, choices)
+    known = sum(section.sizes.cast("I")) == values if columns & SIZES else not values % rows if rows else not values
+    if not known:
+        raise bad(f"{values} bytes are no {rows} rows")
+    section.values = view[at : at + values]
+    at += values + -values % 8
+    if infos or info_bytes:
+        section.table = view[at : at + 8 * infos]
+        section.infos = view[at + 8 * infos : at + 8 * infos + info_bytes]
+        at += 8 * infos + info_bytes + -info_bytes % 8
+        if sum(size for _, size in struct.iter_unpack("<II", section.table)) != info_bytes:
+            raise bad("its infos have other sizes")
+        if any(row >= count for row, _ in struct.iter_unpack("<II", section.table)):
+            raise bad("an info is of no row")
+    if at > size:
+        raise bad("it ends too early")
+    return section, at
+
+
+def read_columns(section: Section, view: memoryview, at: int, rows: int, choices: Sequence[int]) -> int:
+    columns = section.columns
+    count = len(section.marks)
+    if columns & ENDED and not columns & WHO or columns & SIZES and columns & FORM:
+        raise bad(f"columns {columns} cannot be together")
+
+    def take(size: int) -> memoryview:
+        nonlocal at
+        part = view[at : at + size]
+        if len(part) < size:
+            raise bad("it ends too early")
+        at += size + -size % 8
+        return part
+
+    if columns & WHO:
+        section.who = take(4 * count)
+    if columns & IDS:
+        section.ids = take(4 * count)
+    if columns & GROUPS:
+        section.groups = take(8 * count)
+    if columns & MASKS:
+        each = choices[section.kind] if section.kind < len(choices) else 0
+        if not each:
+            raise bad("masks of a kind without choices")
+        section.masks = take(each * count)
+    if columns & SIZES:
+        section.sizes = take(4 * rows)
+    if columns & FORM:
+        if at + SIZE.size > len(view):
+            raise bad("it ends too early")
+        (size,) = SIZE.unpack_from(view, at)
+        section.form = bytes(take(SIZE.size + size)[SIZE.size :])
+    return at
 
 
 def too_big(size: int) -> MessageError:
@@ -138,9 +332,9 @@ def rewards(numbers: Sequence[float]) -> bytes:
     return struct.pack(f"<{len(numbers)}d", *numbers)
 
 
-def rewards_in(answer: Record) -> tuple[float, ...]:
+def rewards_in(section: Section) -> tuple[float, ...]:
     """One for each row. MessageError if one is not finite: whoever learned from it would know nothing any more."""
-    numbers: tuple[float, ...] = struct.unpack(f"<{len(answer.flags)}d", answer.numbers)
+    numbers: tuple[float, ...] = struct.unpack(f"<{len(section.marks)}d", section.numbers)
     for number in numbers:
         if not math.isfinite(number):
             raise MessageError("bad-reward", f"the reward is {number}")
