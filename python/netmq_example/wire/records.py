@@ -28,7 +28,8 @@ A section has n rows, and row i is agent i of its kind, unless WHO says whose it
         GROUPS  4 n int32, groups, and n float32, their rewards
         MASKS   8 n uint8 for each choice of the hello
         SIZES  16 uint32 for each row of values: its size; without it all are of one size
-        FORM   32 uint32, how many bytes, and the form of all rows in ASCII: a row then has only its numbers
+        FORM   32 uint32, how many bytes, and the form of all rows in ASCII: a row then has only its numbers. In any
+                  row of locators its own agent is not named: 'car'@['speed'] = $ is written @['speed'] = $
         ENDED  64 these have ended in this exchange
                   the values: an action for each that steps, or an observation for each mark with 32
                   i pairs of uint32, row and size, and then the infos: values
