@@ -1,4 +1,4 @@
-// Lesson 09 in a terminal: the terminal client of CartPoleEnvironment.cs, with the same EnvironmentClient.
+// Lesson 09 in a terminal: the terminal client of CartPoleAgent.cs, with the same CartPole.
 //
 //     dotnet run --project csharp-console -- 9                  a pole on a cart, until the environment closes it
 //     dotnet run --project csharp-console -- 9 --world Car      lesson 08's car; with --picture it sees the road
@@ -18,12 +18,12 @@ namespace NetMQExample.Terminal
             var picture = arguments.Flag("picture");
             arguments.RefuseTheRest();
 
-            var simulator = new Simulator(world switch
+            var simulator = world switch
             {
-                "CartPole" => new CartPole(),
-                "Car" => new RoadCar(picture),
+                "CartPole" => new SceneSimulator(world, 0.02, new[] { new CartPole() }),
+                "Car" => new SceneSimulator(world, Drive.StepSeconds, new[] { new RoadCar(picture) }),
                 _ => throw new UsageException($"--world takes CartPole or Car, not '{world}'"),
-            });
+            };
             using var client = new EnvironmentClient(endpoint, timeout, Console.WriteLine);
             Console.WriteLine($"asking {endpoint}");
             client.Run(simulator, count, answer => answer());

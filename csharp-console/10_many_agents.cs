@@ -1,4 +1,4 @@
-// Lesson 10 in a terminal: the terminal client of PursuitGame.cs, with the same AgentSimulator.
+// Lesson 10 in a terminal: the terminal client of PursuitGame.cs, with the same Pursuit.
 //
 //     dotnet run --project csharp-console -- 10                                hunters and rabbits, until it is closed
 //     dotnet run --project csharp-console -- 10 --world CartPole --areas 16    sixteen poles on sixteen carts
@@ -13,7 +13,7 @@ namespace NetMQExample.Terminal
     {
         public static void Run(Arguments arguments)
         {
-            var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5560");
+            var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5559");
             var world = arguments.Text("world", "Pursuit");
             var areas = arguments.Whole("areas", 16);
             var count = arguments.Whole("count", 0);
@@ -21,13 +21,17 @@ namespace NetMQExample.Terminal
             arguments.RefuseTheRest();
 
             if (areas < 1 || areas > 1024) throw new UsageException($"--areas takes 1 to 1024, not {areas}");
-            SimulatorBase simulator = world switch
+            var game = new Pursuit();
+            var copies = Enumerable.Range(0, areas);
+            var simulator = world switch
             {
-                "CartPole" => new AreaSimulator(Enumerable.Range(0, areas).Select(_ => new CartPole())),
-                "Car" => new AreaSimulator(Enumerable.Range(0, areas).Select(_ => new RoadCar(false))),
-                "Pursuit" => new AgentSimulator(new Pursuit()),
+                "CartPole" => new SceneSimulator(world, 0.02, copies.Select(_ => new CartPole()).ToArray()),
+                "Car" => new SceneSimulator(
+                    world, Drive.StepSeconds, copies.Select(_ => new RoadCar(false)).ToArray()),
+                "Pursuit" => new SceneSimulator(world, 0.1, game.Players, game),
                 _ => throw new UsageException($"--world takes CartPole, Car or Pursuit, not '{world}'"),
             };
+            game.SendInfo = simulator.SendInfo;
             using var client = new EnvironmentClient(endpoint, timeout, Console.WriteLine);
             Console.WriteLine($"asking {endpoint}");
             client.Run(simulator, count, answer => answer());

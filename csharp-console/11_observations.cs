@@ -20,15 +20,14 @@ namespace NetMQExample.Terminal
                 Locators.Print(arguments);
                 return;
             }
-            var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5561");
+            var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5559");
             var count = arguments.Whole("count", 0);
             var agents = arguments.Whole("agents", 1);
             var timeout = arguments.Seconds("timeout", 30);
             arguments.RefuseTheRest();
             if (agents < 1 || agents > 1024) throw new UsageException($"--agents takes 1 to 1024, not {agents}");
 
-            var cars = Enumerable.Range(0, agents)
-                .Select(number => new DrawnCoinCar(agents > 1 ? $"agent_{number}" : "agent")).ToArray();
+            var cars = Enumerable.Range(0, agents).Select(_ => new DrawnCoinCar()).ToArray();
             var simulator = new SceneSimulator("Coins", 0.1, cars);
             using var client = new EnvironmentClient(endpoint, timeout, Console.WriteLine);
             Console.WriteLine($"asking {endpoint}");

@@ -24,7 +24,8 @@ namespace NetMQExample.Terminal
 
             var keys = folder == "" ? null : new ClientKeys(folder);
             if (keys != null) NetMQConnection.Prepare = keys.Apply;
-            var simulator = new FleetSimulator(new Simulator(new CartPole()), build)
+            var world = new SceneSimulator("CartPole", 0.02, new[] { new CartPole() });
+            var simulator = new FleetSimulator(world, build)
             {
                 CrashAfter = crashAfter,
                 Delay = delay,

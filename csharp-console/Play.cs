@@ -7,7 +7,7 @@
 //     --seconds 5         stop then; without it, once every script with a Done property is done
 //     --click Send        somebody clicks this button, a second later; Volume=0.5 moves a slider; each further one
 //                         a second after
-//     --add LineRenderer  the object has this component, too
+//     --add LineRenderer  the object has this component, too: one of Unity's, or of the kit's
 //     -batchmode          and -nographics and -logFile F: Unity's own switches change nothing here
 //
 // The scene is one game object with every MonoBehaviour of the lesson's folder, as in the lesson's Unity scene, or of
@@ -58,7 +58,8 @@ namespace NetMQExample.Terminal
             var limit = ends ? TimeSpan.FromDays(1) : arguments.Seconds("seconds", 86400);
             var settings = All(arguments, "set").Select(Setting).ToList();
             var clicks = All(arguments, "click");
-            var added = All(arguments, "add").Select(Inspector.Component).ToArray();
+            var added = All(arguments, "add")
+                .Select(name => Inspector.Component(name, own ?? lessons, lessons)).ToArray();
             settings.AddRange(arguments.TakeTheRest());
             // Only for --help, and for what does not begin with --.
             foreach (var (name, value) in fields) arguments.Text(name, value);

@@ -87,13 +87,14 @@ namespace UnityPlayer
                     field.SetValue(script, Activator.CreateInstance(field.FieldType));
         }
 
-        /// <summary>A component of Unity's by its name.</summary>
+        /// <summary>A component of Unity's, or of these scripts, by its name.</summary>
         /// <exception cref="ArgumentException">There is none.</exception>
-        public static Type Component(string name) =>
-            Find(name) ?? throw new ArgumentException($"--add {name}: the player has no such component");
+        public static Type Component(string name, params Assembly[] scripts) => Find(name, scripts)
+            ?? throw new ArgumentException($"--add {name}: the player has no such component");
 
-        private static Type Find(string name) => typeof(GameObject).Assembly.GetExportedTypes()
-            .FirstOrDefault(type => type.Name == name && typeof(Component).IsAssignableFrom(type) && !type.IsAbstract);
+        private static Type Find(string name, params Assembly[] scripts) => scripts.Append(typeof(GameObject).Assembly)
+            .SelectMany(assembly => assembly.GetExportedTypes()).FirstOrDefault(
+                type => type.Name == name && typeof(Component).IsAssignableFrom(type) && !type.IsAbstract);
 
         /// <summary>An exception in words. If it comes from an empty field, these are Unity's, with the option that
         /// fills it.</summary>

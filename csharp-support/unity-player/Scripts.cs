@@ -19,14 +19,11 @@ namespace UnityPlayer
         {
             var noted = own.GetCustomAttributes<AssemblyMetadataAttribute>()
                 .ToLookup(data => data.Value, data => data.Key);
-            var found = own.GetTypes()
+            // A class within another one is no script of Unity's: others add it.
+            var found = own.GetTypes().Where(type => !type.IsNested)
                 .Where(type => !noted["unnamed"].Contains(type.Name) || kit.GetType(type.FullName) == null)
                 .Concat(kit.GetTypes().Where(type => noted["script"].Contains(type.Name)))
                 .Where(type => typeof(MonoBehaviour).IsAssignableFrom(type) && !type.IsAbstract).ToArray();
-            // Of PythonAreas<Ball> a Ball is what each area has: one more, beside the areas, would be seen in them.
-            var areas = found.Select(type => type.BaseType).Where(type => type.IsGenericType)
-                .SelectMany(type => type.GetGenericArguments());
-            found = found.Except(areas).ToArray();
             return found.Length > 0 ? found : throw new ArgumentException("there is no MonoBehaviour in these files");
         }
 

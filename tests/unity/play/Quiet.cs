@@ -1,9 +1,8 @@
-// Worlds that leave nothing to collect, and never end: whatever a frame allocates, in which Python steps them, is the
+// Agents that leave nothing to collect, and never end: whatever a frame allocates, in which Python steps them, is the
 // package's own.
 //
 //     … play.dll quiet world --endpoint tcp://127.0.0.1:5559      what 100 frames cost; also areas, and game
 using System;
-using System.Collections.Generic;
 using System.Threading;
 using UnityEngine;
 using UnityPlayer;
@@ -11,64 +10,40 @@ using UnityPlayer;
 namespace NetMQExample.PlayTest
 {
     /// <summary>Sees its last action, and a number of a part of its own.</summary>
-    public sealed class QuietWorld : PythonEnvironment
+    public sealed class QuietAgent : Agent
     {
         private double one, two;
-
-        public override string Name => "Quiet";
 
         public override GymSpace Observation { get; } =
             GymSpace.Dict(("did", GymSpace.Box(-1, 1, 2)), ("which", GymSpace.Discrete(3)));
 
         public override GymSpace Action { get; } = GymSpace.Box(-1, 1, 2);
 
-        public override void ResetWorld(
-            RandomGenerator random, IReadOnlyDictionary<string, object> options, double[] state) =>
-            (one, two) = (0, 0);
+        public override void OnReset() => (one, two) = (0, 0);
 
-        protected override void Act(SpaceReader action) => (one, two) = (action[0], action[1]);
+        public override void OnAction(SpaceReader action) => (one, two) = (action[0], action[1]);
+
+        public override void OnStepped()
+        {
+            AddReward(one);
+            Quiet.Judged++;
+        }
 
         public override void Observe(SpaceWriter seen) => seen.Add(one, two, one > 0 ? 2 : 1);
-
-        public override (double Reward, bool Terminated, bool Truncated) RewardAndEnd(IDictionary<string, object> info)
-        {
-            Quiet.Judged++;
-            return (one, false, false);
-        }
     }
 
-    public sealed class QuietAreas : PythonAreas<QuietWorld> { }
-
-    public sealed class QuietGame : PythonAgents
+    /// <summary>An agent of another kind.</summary>
+    public sealed class QuietSwitch : Agent
     {
-        private double left, right;
+        private double on;
 
-        public override string Name => "Quiet";
+        public override GymSpace Observation { get; } = GymSpace.Discrete(2);
 
-        public override IReadOnlyList<(string Name, GymSpace Observation, GymSpace Action)> Agents { get; } = new[]
-        {
-            ("left", GymSpace.Box(-1, 1, 2), GymSpace.Box(-1, 1, 1)),
-            ("right", GymSpace.Discrete(2), GymSpace.Discrete(2)),
-        };
+        public override GymSpace Action { get; } = GymSpace.Discrete(2);
 
-        public override void ResetWorld(RandomGenerator random, IReadOnlyDictionary<string, object> options) =>
-            (left, right) = (0, 0);
+        public override void OnAction(SpaceReader action) => on = action[0];
 
-        protected override void Act(IReadOnlyDictionary<string, SpaceReader> actions) =>
-            (left, right) = (actions["left"][0], actions["right"][0]);
-
-        public override void Observe(string agent, SpaceWriter seen)
-        {
-            if (agent == "left") seen.Add(left, right);
-            else seen.Add(right);
-        }
-
-        public override (double Reward, bool Terminated, bool Truncated) RewardAndEnd(
-            string agent, IDictionary<string, object> info)
-        {
-            Quiet.Judged++;
-            return (left, false, false);
-        }
+        public override void Observe(SpaceWriter seen) => seen.Add(on);
     }
 
     internal static class Quiet
@@ -83,15 +58,9 @@ namespace NetMQExample.PlayTest
             {
                 var scene = new GameObject("quiet");
                 scene.SetActive(false);
-                if (what == "game") scene.AddComponent<QuietGame>();
-                else if (what == "areas") scene.AddComponent<QuietAreas>();
-                else scene.AddComponent<QuietWorld>();
-                for (var i = 0; i < 3 && what == "areas"; i++)
-                {
-                    var area = new GameObject($"area {i}");
-                    area.transform.SetParent(scene.transform, false);
-                    area.AddComponent<QuietWorld>();
-                }
+                Inspector.Set(new MonoBehaviour[] { scene.AddComponent<GymManager>() }, "envName", "Quiet");
+                for (var i = 0; i < (what == "areas" ? 3 : 1); i++) Put<QuietAgent>(scene);
+                if (what == "game") Put<QuietSwitch>(scene).Name = "switch";
                 scene.SetActive(true);
             });
             var cost = new FrameCost(100);
@@ -107,6 +76,13 @@ namespace NetMQExample.PlayTest
             Console.WriteLine($"cost: {cost}");
             player.Stop();
             return player.Errors > 0 ? 1 : 0;
+        }
+
+        private static T Put<T>(GameObject scene) where T : Agent
+        {
+            var thing = new GameObject(typeof(T).Name);
+            thing.transform.SetParent(scene.transform, false);
+            return thing.AddComponent<T>();
         }
     }
 }

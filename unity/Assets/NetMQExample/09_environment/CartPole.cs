@@ -4,13 +4,12 @@
 // state, the same actions lead to the same states. Sine and cosine differ in their last bit from one system to the
 // next, so two systems agree to many digits and not to all. Your own simulation takes its place.
 using System;
-using System.Collections.Generic;
 using System.Globalization;
 
 namespace NetMQExample
 {
-    /// <summary>Where cart and pole are, and how they move.</summary>
-    public sealed class CartPole : ISimulation
+    /// <summary>Where cart and pole are, and how they move: an agent without Unity.</summary>
+    public sealed class CartPole : PlainAgent
     {
         private const double Gravity = 9.8, Force = 10, Cart = 1, Pole = 0.1, HalfLength = 0.5;
         // The episode is over when the cart leaves the track, in metres, or the pole falls: 12 degrees.
@@ -20,7 +19,11 @@ namespace NetMQExample
         // an infinite one Gymnasium's checker warns.
         private static readonly double[] Most = { 2 * Track, float.MaxValue, 2 * Fall, float.MaxValue };
 
-        private double speed, turning;
+        private double push, speed, turning;
+
+        /// <summary>At rest in the middle, until it is reset.</summary>
+        /// <param name="name">The agent's; several of one name are name_0, name_1, ….</param>
+        public CartPole(string name = "agent") : base(name) { }
 
         /// <summary>The middle of the cart, in metres.</summary>
         public double Place { get; private set; }
@@ -29,60 +32,54 @@ namespace NetMQExample
         public double Angle { get; private set; }
 
         /// <inheritdoc/>
-        public string Name => "CartPole";
+        public override int StateSize => 4;
 
         /// <inheritdoc/>
-        public double Dt => 0.02;
+        public override GymSpace Observation { get; } = GymSpace.Box(Array.ConvertAll(Most, most => -most), Most);
 
         /// <inheritdoc/>
-        public int StateSize => 4;
+        public override GymSpace Action { get; } = GymSpace.Discrete(2);
 
         /// <inheritdoc/>
-        public GymSpace Observation { get; } = GymSpace.Box(Array.ConvertAll(Most, most => -most), Most);
-
-        /// <inheritdoc/>
-        public GymSpace Action { get; } = GymSpace.Discrete(2);
-
-        /// <inheritdoc/>
-        public void ResetWorld(RandomGenerator random, IReadOnlyDictionary<string, object> options, double[] state)
+        public override void OnReset()
         {
-            double Option(string name, double standard)
-            {
-                if (!options.TryGetValue(name, out var given)) return standard;
-                if (!(given is string)) return Convert.ToDouble(given, CultureInfo.InvariantCulture);
-                throw new MessageException("bad-option",
-                    "low and high are numbers, between which an episode begins");
-            }
             double low = Option("low", -0.05), high = Option("high", 0.05);
-            double Drawn() => low + (high - low) * random.Next();
+            double Drawn() => low + (high - low) * Rng.Next();
+            var state = AgentState.FirstState;
             if (state.Length == 0) state = new[] { Drawn(), Drawn(), Drawn(), Drawn() };
             (Place, speed, Angle, turning) = (state[0], state[1], state[2], state[3]);
+            push = 0;
         }
 
         /// <inheritdoc/>
-        public void Apply(SpaceReader action)
+        public override void OnAction(SpaceReader action) => push = action[0] == 1 ? Force : -Force;
+
+        /// <inheritdoc/>
+        public override void OnTick(double dt)
         {
             double sine = Math.Sin(Angle), cosine = Math.Cos(Angle);
-            var push = (action[0] == 1 ? Force : -Force) + Pole * HalfLength * (turning * turning) * sine;
-            var forward = push / (Cart + Pole);
+            var forward = (push + Pole * HalfLength * (turning * turning) * sine) / (Cart + Pole);
             var around = (Gravity * sine - cosine * forward) /
                 (HalfLength * (4.0 / 3 - Pole * (cosine * cosine) / (Cart + Pole)));
             forward -= Pole * HalfLength * around * cosine / (Cart + Pole);
-            Place += Dt * speed;
-            speed += Dt * forward;
-            Angle += Dt * turning;
-            turning += Dt * around;
+            Place += dt * speed;
+            speed += dt * forward;
+            Angle += dt * turning;
+            turning += dt * around;
         }
 
         /// <inheritdoc/>
-        public void Observe(SpaceWriter seen) => seen.Add(Place, speed, Angle, turning);
+        public override void OnStepped()
+        {
+            AddReward(1);
+            if (Math.Abs(Place) > Track || Math.Abs(Angle) > Fall) Terminate();
+        }
 
         /// <inheritdoc/>
-        public (double Reward, bool Terminated, bool Truncated) RewardAndEnd(IDictionary<string, object> info) =>
-            (1, Math.Abs(Place) > Track || Math.Abs(Angle) > Fall, false);
+        public override void Observe(SpaceWriter seen) => seen.Add(Place, speed, Angle, turning);
 
         /// <inheritdoc/>
-        public MessageArray Render()
+        public override MessageArray Render()
         {
             var pixels = new byte[Height * Width * 3];
             Array.Fill(pixels, (byte)255);
@@ -100,6 +97,13 @@ namespace NetMQExample
             for (var along = 0; along < 2 * Scale; along++)
                 Fill(middle + along * Math.Sin(Angle), 60 + along * Math.Cos(Angle), 6, 6, 200, 140, 80);
             return new MessageArray("uint8", pixels, Height, Width, 3);
+        }
+
+        private double Option(string name, double standard)
+        {
+            if (!Options.TryGetValue(name, out var given)) return standard;
+            if (!(given is string)) return Convert.ToDouble(given, CultureInfo.InvariantCulture);
+            throw new MessageException("bad-option", "low and high are numbers, between which an episode begins");
         }
     }
 }

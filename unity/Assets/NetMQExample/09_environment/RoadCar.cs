@@ -3,12 +3,11 @@
 // It observes where it is relative to the road, or the drawn picture. Both sides give the same numbers to the last
 // bit, as Car.cs and Road.cs do. Your own simulation takes its place.
 using System;
-using System.Collections.Generic;
 
 namespace NetMQExample
 {
     /// <summary>The reward is how many metres it came along the road; beside the road the episode ends.</summary>
-    public sealed class RoadCar : ISimulation
+    public sealed class RoadCar : PlainAgent
     {
         // So many points of the road ahead, some 9 m, it sees where the road goes.
         private const int Ahead = 60;
@@ -17,11 +16,12 @@ namespace NetMQExample
         private readonly DrawnCamera camera;
         private readonly bool seesPictures;
         private Car car;
-        private double metres;
+        private double steer, pedal, metres;
 
         /// <summary>On the road, at its first point.</summary>
         /// <param name="seesPictures">What is seen is the drawn picture, and not five numbers.</param>
-        public RoadCar(bool seesPictures)
+        /// <param name="name">The agent's; several of one name are name_0, name_1, ….</param>
+        public RoadCar(bool seesPictures, string name = "agent") : base(name)
         {
             this.seesPictures = seesPictures;
             car = new Car(road, 0);
@@ -32,40 +32,48 @@ namespace NetMQExample
                 : GymSpace.Box(Array.ConvertAll(most, each => -each), most);
         }
 
-        /// <inheritdoc/>
-        public string Name => "Car";
-
-        /// <inheritdoc/>
-        public double Dt => Drive.StepSeconds;
-
         /// <summary>The number of a point of the road.</summary>
-        public int StateSize => 1;
+        public override int StateSize => 1;
 
         /// <inheritdoc/>
-        public GymSpace Observation { get; }
+        public override GymSpace Observation { get; }
 
         /// <summary>Steer, from -1, left, to 1, right; and throttle above 0, brake below.</summary>
-        public GymSpace Action { get; } = GymSpace.Box(new double[] { -1, -1 }, new double[] { 1, 1 });
+        public override GymSpace Action { get; } = GymSpace.Box(new double[] { -1, -1 }, new double[] { 1, 1 });
 
         /// <inheritdoc/>
-        public void ResetWorld(RandomGenerator random, IReadOnlyDictionary<string, object> options, double[] state)
+        public override void OnReset()
         {
-            var at = state.Length > 0 ? state[0] : Math.Floor(random.Next() * road.Points.Length);
+            var state = AgentState.FirstState;
+            var at = state.Length > 0 ? state[0] : Math.Floor(Rng.Next() * road.Points.Length);
             if (!(at >= 0 && at < road.Points.Length))
                 throw new MessageException("bad-state", $"the road has the points 0 to {road.Points.Length - 1}");
             car = new Car(road, (int)at);
-            metres = 0;
+            (steer, pedal, metres) = (0, 0, 0);
         }
 
         /// <inheritdoc/>
-        public void Apply(SpaceReader action)
+        public override void OnAction(SpaceReader action) => (steer, pedal) = (action[0], action[1]);
+
+        /// <inheritdoc/>
+        public override void OnTick(double dt)
         {
-            car.Step(Math.Max(0, action[1]), Math.Max(0, -action[1]), action[0]);
-            metres += Progress();
+            car.Step(Math.Max(0, pedal), Math.Max(0, -pedal), steer);
+            var (toX, toY) = Along(road.Nearest(car.X, car.Y).At);
+            var progress = (car.AheadX * toX + car.AheadY * toY) * car.Speed * dt;
+            metres += progress;
+            AddReward(progress);
         }
 
         /// <inheritdoc/>
-        public void Observe(SpaceWriter seen)
+        public override void OnStepped()
+        {
+            Info["metres"] = metres;
+            if (road.Nearest(car.X, car.Y).Distance > Road.HalfWidth) Terminate();
+        }
+
+        /// <inheritdoc/>
+        public override void Observe(SpaceWriter seen)
         {
             if (seesPictures)
             {
@@ -83,14 +91,7 @@ namespace NetMQExample
         }
 
         /// <inheritdoc/>
-        public (double Reward, bool Terminated, bool Truncated) RewardAndEnd(IDictionary<string, object> info)
-        {
-            info["metres"] = metres;
-            return (Progress(), road.Nearest(car.X, car.Y).Distance > Road.HalfWidth, false);
-        }
-
-        /// <inheritdoc/>
-        public MessageArray Render()
+        public override MessageArray Render()
         {
             var drawn = new byte[DrawnCamera.Size];
             var picture = new byte[DrawnCamera.Size];
@@ -100,12 +101,6 @@ namespace NetMQExample
             for (var i = 0; i < DrawnCamera.Height; i++)
                 Array.Copy(drawn, i * row, picture, (DrawnCamera.Height - 1 - i) * row, row);
             return new MessageArray("uint8", picture, DrawnCamera.Height, DrawnCamera.Width, 3);
-        }
-
-        private double Progress()
-        {
-            var (toX, toY) = Along(road.Nearest(car.X, car.Y).At);
-            return (car.AheadX * toX + car.AheadY * toY) * car.Speed * Dt;
         }
 
         private (double X, double Y) Along(int at)

@@ -2,6 +2,7 @@
 //
 // Rabbits are faster, so hunters must drive them into a corner. A hunter who runs tires, and one without energy is out;
 // a rabbit that is caught is out as well. The game ends when all rabbits are caught, or no hunter is left.
+// All move at once: a player remembers in OnAction what it wants, and the world moves them all in its OnTick.
 // Both sides give the same numbers to the last bit: there is nothing but plus, minus, times, divide and square root.
 // Your own game takes its place.
 using System;
@@ -10,108 +11,57 @@ using System.Linq;
 
 namespace NetMQExample
 {
-    /// <summary>An action is to rest, or to run left, right, down or up. Seen is the own place and energy; then of each
-    /// of the others, in the order of the names, where it is from here, and 1 as long as it is in the game.</summary>
-    public sealed class Pursuit : IAgentSimulation
+    /// <summary>The meadow. It goes from -1 to 1, both ways.</summary>
+    public sealed class Pursuit : IWorld
     {
-        // The world goes from -1 to 1, both ways; in one step a hunter comes so far, and a rabbit.
-        private const double HunterRun = 0.05, RabbitRun = 0.06;
-        // Nearer than this a rabbit is caught. A step costs a hunter, who begins with 1, this if he runs or rests.
-        private const double Reach = 0.1, Running = 0.03, Resting = 0.01;
+        // Nearer than this a rabbit is caught.
+        private const double Reach = 0.1;
         private const int Size = 200;
-        private static readonly (int Right, int Up)[] Ways = { (0, 0), (-1, 0), (1, 0), (0, -1), (0, 1) };
 
-        private readonly Player[] players = new[] { "hunter_0", "hunter_1", "hunter_2", "rabbit_0", "rabbit_1" }
-            .Select(name => new Player(name)).ToArray();
-        private List<Player> gone = new List<Player>();
+        private readonly PursuitPlayer[] players;
 
         /// <summary>Five players in the middle, until it is reset.</summary>
-        public Pursuit()
+        public Pursuit() => players = new[] { "hunter_0", "hunter_1", "hunter_2", "rabbit_0", "rabbit_1" }
+            .Select(name => new PursuitPlayer(this, name)).ToArray();
+
+        /// <summary>The agents: three hunters, and two rabbits.</summary>
+        public IReadOnlyList<PursuitPlayer> Players => players;
+
+        /// <summary>Tells Python who was caught. A simulator's SendInfo does.</summary>
+        public Action<object> SendInfo { get; set; } = info => { };
+
+        private IEnumerable<PursuitPlayer> Hunters => players.Where(player => player.Hunts && player.Lives);
+
+        private IEnumerable<PursuitPlayer> Rabbits => players.Where(player => !player.Hunts && player.Lives);
+
+        /// <inheritdoc/>
+        public void OnReset(RandomGenerator random, IReadOnlyDictionary<string, object> options)
         {
-            var most = Enumerable.Repeat(2.0, 3 * players.Length).ToArray();
-            var seen = GymSpace.Box(Array.ConvertAll(most, each => -each), most);
-            Agents = players.Select(player => (player.Name, seen, GymSpace.Discrete(Ways.Length))).ToList();
+            foreach (var player in players) player.Begin(random);
         }
 
         /// <inheritdoc/>
-        public string Name => "Pursuit";
-
-        /// <inheritdoc/>
-        public double Dt => 0.1;
-
-        /// <inheritdoc/>
-        public IReadOnlyList<(string Name, GymSpace Observation, GymSpace Action)> Agents { get; }
-
-        /// <inheritdoc/>
-        public InfoQueue Infos { get; } = new InfoQueue();
-
-        private IEnumerable<Player> Hunters => players.Where(player => player.Hunts && player.Lives);
-
-        private IEnumerable<Player> Rabbits => players.Where(player => !player.Hunts && player.Lives);
-
-        /// <summary>An agent's place, and whether it is still in the game.</summary>
-        public (double X, double Y, bool Lives) Place(string agent)
+        public void OnTick(double dt)
         {
-            var player = Find(agent);
-            return (player.X, player.Y, player.Lives);
-        }
-
-        /// <inheritdoc/>
-        public void ResetWorld(RandomGenerator random, IReadOnlyDictionary<string, object> options)
-        {
-            foreach (var player in players)
+            var living = players.Where(player => player.Lives).ToList();
+            foreach (var player in living) player.Move();
+            var gone = Hunters.Where(hunter => hunter.Energy <= 0).ToList();
+            foreach (var rabbit in Rabbits)
             {
-                (player.X, player.Y) = (2 * random.Next() - 1, 2 * random.Next() - 1);
-                player.Energy = 1;
-                player.Reward = 0;
-                player.Lives = true;
+                var near = Hunters.Where(hunter => Distance(hunter, rabbit) < Reach).ToList();
+                if (near.Count == 0) continue;
+                foreach (var hunter in near) hunter.Earned += 10.0 / near.Count;
+                rabbit.Earned = -10;
+                gone.Add(rabbit);
+                SendInfo(new Dictionary<string, object> { ["caught"] = rabbit.Name, ["by"] = near[0].Name });
             }
-        }
-
-        /// <inheritdoc/>
-        public void Apply(IReadOnlyDictionary<string, SpaceReader> actions)
-        {
-            foreach (var player in players.Where(player => actions.ContainsKey(player.Name)))
-            {
-                var (right, up) = Ways[(int)actions[player.Name][0]];
-                var far = player.Hunts ? HunterRun : RabbitRun;
-                player.X = Math.Min(1, Math.Max(-1, player.X + right * far));
-                player.Y = Math.Min(1, Math.Max(-1, player.Y + up * far));
-                player.Reward = player.Hunts ? -0.01 : 0.01;
-                var tired = right == 0 && up == 0 ? Resting : Running;
-                if (player.Hunts) player.Energy = Math.Max(0, player.Energy - tired);
-            }
-            gone = Hunters.Where(hunter => hunter.Energy <= 0).ToList();
-            foreach (var rabbit in Rabbits) Catch(rabbit);
             foreach (var player in gone) player.Lives = false;
-        }
-
-        private void Catch(Player rabbit)
-        {
-            var near = Hunters.Where(hunter => Distance(hunter, rabbit) < Reach).ToList();
-            if (near.Count == 0) return;
-            foreach (var hunter in near) hunter.Reward += 10.0 / near.Count;
-            rabbit.Reward = -10;
-            gone.Add(rabbit);
-            Infos.Send("", new Dictionary<string, object> { ["caught"] = rabbit.Name, ["by"] = near[0].Name });
+            var over = !Hunters.Any() || !Rabbits.Any();
+            foreach (var player in living) player.Judge(over);
         }
 
         /// <inheritdoc/>
-        public void Observe(string agent, SpaceWriter seen)
-        {
-            var self = Find(agent);
-            seen.Add(self.X, self.Y, self.Energy);
-            foreach (var player in players)
-                if (player != self) seen.Add(player.X - self.X, player.Y - self.Y, player.Lives ? 1 : 0);
-        }
-
-        /// <inheritdoc/>
-        public (double Reward, bool Terminated, bool Truncated) RewardAndEnd(
-            string agent, IDictionary<string, object> info) =>
-            (Find(agent).Reward, gone.Contains(Find(agent)) || !Hunters.Any() || !Rabbits.Any(), false);
-
-        /// <inheritdoc/>
-        public void OnInfo(string agent, IReadOnlyDictionary<string, object> info) { }
+        public void OnStepped() { }
 
         /// <inheritdoc/>
         public MessageArray Render()
@@ -129,26 +79,10 @@ namespace NetMQExample
             return new MessageArray("uint8", pixels, Size, Size, 3);
         }
 
-        private static double Distance(Player one, Player other)
+        private static double Distance(PursuitPlayer one, PursuitPlayer other)
         {
             var (x, y) = (one.X - other.X, one.Y - other.Y);
             return Math.Sqrt(x * x + y * y);
-        }
-
-        private Player Find(string agent) => players.First(player => player.Name == agent);
-
-        private sealed class Player
-        {
-            public readonly string Name;
-            public readonly bool Hunts;
-            public double X, Y, Energy, Reward;
-            public bool Lives;
-
-            public Player(string name)
-            {
-                Name = name;
-                Hunts = name.StartsWith("hunter", StringComparison.Ordinal);
-            }
         }
     }
 }

@@ -9,65 +9,54 @@ namespace NetMQExample
 {
     /// <summary>Pursuit.cs in a scene.</summary>
     [AddComponentMenu("NetMQ Example/10 Pursuit Game")]
-    public sealed class PursuitGame : PythonAgents
+    public sealed class PursuitGame : GymManager
     {
         private readonly Pursuit world = new Pursuit();
-        private readonly Dictionary<string, Transform> cubes = new Dictionary<string, Transform>();
+        private Transform[] cubes;
 
         /// <inheritdoc/>
-        public override string Name => world.Name;
+        protected override string EnvName => "Pursuit";
 
         /// <inheritdoc/>
-        public override double Dt => world.Dt;
+        protected override double Dt => 0.1;
 
         /// <inheritdoc/>
-        public override IReadOnlyList<(string Name, GymSpace Observation, GymSpace Action)> Agents => world.Agents;
+        protected override IReadOnlyList<IAgent> Agents => world.Players;
 
         /// <inheritdoc/>
-        public override InfoQueue Infos => world.Infos;
+        public override void OnReset(RandomGenerator random, IReadOnlyDictionary<string, object> options) =>
+            world.OnReset(random, options);
 
         /// <inheritdoc/>
-        public override void ResetWorld(RandomGenerator random, IReadOnlyDictionary<string, object> options) =>
-            world.ResetWorld(random, options);
-
-        /// <inheritdoc/>
-        protected override void Act(IReadOnlyDictionary<string, SpaceReader> actions) => world.Apply(actions);
-
-        /// <inheritdoc/>
-        public override void Observe(string agent, SpaceWriter seen) => world.Observe(agent, seen);
-
-        /// <inheritdoc/>
-        public override (double Reward, bool Terminated, bool Truncated) RewardAndEnd(
-            string agent, IDictionary<string, object> info) => world.RewardAndEnd(agent, info);
+        public override void OnTick(double dt) => world.OnTick(dt);
 
         /// <inheritdoc/>
         public override MessageArray Render() => world.Render();
 
         /// <inheritdoc/>
-        protected override double[] Heuristic(string agent)
+        protected override object Heuristic(IAgent agent)
         {
-            // The others rest: alone one wins slowly.
-            var way = 0.0;
             var (x, y) = (ArrowKeys.Horizontal, ArrowKeys.Vertical);
-            if (agent == "hunter_0" && x != 0) way = x < 0 ? 1 : 2;
-            else if (agent == "hunter_0" && y != 0) way = y < 0 ? 3 : 4;
-            return new[] { way };
+            // The others rest: alone one wins slowly.
+            if (agent != world.Players[0] || (x == 0 && y == 0)) return 0L;
+            return x != 0 ? x < 0 ? 1L : 2L : y < 0 ? 3L : 4L;
         }
 
         private void Awake()
         {
-            foreach (var name in world.Agents.Select(agent => agent.Name))
-                // Hunters are the taller ones.
-                cubes[name] = Cube.Make(new Vector3(0.3f, name[0] == 'h' ? 0.6f : 0.3f, 0.3f));
+            world.SendInfo = SendInfo;
+            // Hunters are the taller ones.
+            cubes = world.Players
+                .Select(player => Cube.Make(new Vector3(0.3f, player.Hunts ? 0.6f : 0.3f, 0.3f))).ToArray();
         }
 
         private void LateUpdate()
         {
-            foreach (var cube in cubes)
+            for (var i = 0; i < cubes.Length; i++)
             {
-                var (x, y, lives) = world.Place(cube.Key);
+                var player = world.Players[i];
                 // An agent that is out is higher than the camera, which looks down. The world is 8 m wide.
-                cube.Value.position = new Vector3((float)(4 * x), lives ? 0 : 20, (float)(4 * y));
+                cubes[i].position = new Vector3((float)(4 * player.X), player.Lives ? 0 : 20, (float)(4 * player.Y));
             }
         }
     }

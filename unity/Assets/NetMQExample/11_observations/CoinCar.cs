@@ -7,7 +7,7 @@ using System.Collections.Generic;
 namespace NetMQExample
 {
     /// <summary>Where the car and the coins are.</summary>
-    public class CoinCar : IAgent
+    public class CoinCar : PlainAgent
     {
         /// <summary>How long and wide the field is, in metres.</summary>
         public const double Field = 10;
@@ -23,10 +23,7 @@ namespace NetMQExample
 
         /// <summary>An agent of this name.</summary>
         /// <param name="name">Its name in Python.</param>
-        public CoinCar(string name) => State = new AgentState(name, this);
-
-        /// <inheritdoc/>
-        public AgentState State { get; }
+        public CoinCar(string name = "agent") : base(name) { }
 
         /// <summary>The places of the coins that are left.</summary>
         public List<(double X, double Y)> Spots { get; } = new List<(double X, double Y)>();
@@ -41,12 +38,12 @@ namespace NetMQExample
         [List] private List<float[]> coins => Spots.ConvertAll(spot => new[] { (float)spot.X, (float)spot.Y });
 
         /// <inheritdoc/>
-        public void OnReset()
+        public override void OnReset()
         {
             (x, y) = (Field / 2, Field / 2);
             Spots.Clear();
             for (var i = 0; i < Coins; i++)
-                Spots.Add((1 + 8 * State.RandomGenerator.Next(), 1 + 8 * State.RandomGenerator.Next()));
+                Spots.Add((1 + 8 * Rng.Next(), 1 + 8 * Rng.Next()));
             push = new float[2];
             boost = 0;
             says = "";
@@ -54,7 +51,7 @@ namespace NetMQExample
         }
 
         /// <inheritdoc/>
-        public void OnAction(object action)
+        public override void OnAction(object action)
         {
             var parts = (Dictionary<string, object>)action;
             push = ((MessageArray)parts["push"]).Items<float>().ToArray();
@@ -63,25 +60,22 @@ namespace NetMQExample
         }
 
         /// <inheritdoc/>
-        public void OnTick(double dt)
+        public override void OnTick(double dt)
         {
             var metres = Speed * (1 + boost) * dt;
             x = Math.Min(Field, Math.Max(0, x + push[0] * metres));
             y = Math.Min(Field, Math.Max(0, y + push[1] * metres));
-            State.AddReward(-0.01);
+            AddReward(-0.01);
             foreach (var (coinX, coinY) in Spots.ToArray())
             {
                 if ((coinX - x) * (coinX - x) + (coinY - y) * (coinY - y) >= Reach * Reach) continue;
                 Spots.Remove((coinX, coinY));
-                State.AddReward(1);
+                AddReward(1);
                 says = FormattableString.Invariant($"coin {Coins - Spots.Count} after {steps} steps");
-                State.SendInfo(says);
+                SendInfo(says);
             }
-            if (Spots.Count == 0) State.Terminate();
+            if (Spots.Count == 0) Terminate();
         }
-
-        /// <inheritdoc/>
-        public void OnInfo(object info) { }
     }
 
     /// <summary>Where no camera is, it draws what one would see from above.</summary>
@@ -91,7 +85,7 @@ namespace NetMQExample
         private static readonly byte[,,] Meadow = Filled(new byte[48, 64, 3], 0, 0, 48, 64, Grass);
 
         /// <inheritdoc/>
-        public DrawnCoinCar(string name) : base(name) { }
+        public DrawnCoinCar(string name = "agent") : base(name) { }
 
         [Box(".camera")] private byte[,,] picture => Draw();
 

@@ -17,7 +17,7 @@ namespace NetMQExample
         private Transform body;
 
         /// <inheritdoc/>
-        protected override AgentState MakeState() => (car = new CoinCar(Name)).State;
+        protected override AgentState MakeState() => (car = new CoinCar(Name)).AgentState;
 
         /// <inheritdoc/>
         public override void OnReset()
@@ -36,8 +36,10 @@ namespace NetMQExample
             Show();
         }
 
-        private void Awake()
+        /// <inheritdoc/>
+        protected override void Awake()
         {
+            base.Awake();
             Cube.Make(Vector3.one * (float)CoinCar.Field, new Color32(40, 80, 40, 255)).position = Ground(5, 5, -5);
             body = Cube.Make(Vector3.one, new Color32(200, 30, 30, 255));
             var eye = new GameObject("Eye").AddComponent<Camera>();

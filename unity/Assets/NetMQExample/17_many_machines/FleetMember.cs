@@ -20,7 +20,8 @@ namespace NetMQExample
         protected override string Endpoint => endpoint;
 
         /// <inheritdoc/>
-        protected override SimulatorBase MakeSimulator() => new FleetSimulator(new Simulator(world), build);
+        protected override SimulatorBase MakeSimulator() =>
+            new FleetSimulator(new SceneSimulator("CartPole", 0.02, new[] { world }), build);
 
         private void Awake() => cart = Cube.Make(Vector3.one);
 

@@ -14,7 +14,7 @@ namespace NetMQExample
         private readonly string build;
 
         /// <summary>Wraps a simulator, which nobody else may ask from then on.</summary>
-        /// <param name="simulator">Of one world: a Simulator, or a SceneSimulator with one agent.</param>
+        /// <param name="simulator">Of a world with one agent.</param>
         /// <param name="build">The build that the hub must expect.</param>
         public FleetSimulator(SimulatorBase simulator, string build) : base(simulator) =>
             this.build = Require.Given("build", build);
