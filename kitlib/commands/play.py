@@ -17,7 +17,7 @@ ABOUT = """Plays scripts of your own as Unity would, without Unity: every MonoBe
   --set count=3       the same, also for a field that has the name of an option, such as timeout; --endpoint counts more
   --MyClient.count 3  sets it in this class alone; without a class in each one that has it
   --wrist Wrist       makes the object, or its component, that a field names; --points Point*21 fills an array
-  --add LineRenderer  gives the scripts' object this component
+  --add LineRenderer  gives the scripts' object this component, one of Unity's or of the kit's, such as GymManager
   --click Send        a second later; --click Volume=0.5 and --click Name=Ada a second after that, in a UI"""
 EXAMPLES = [
     "play MyClient.cs",

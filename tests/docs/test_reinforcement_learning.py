@@ -8,7 +8,6 @@ import sys
 
 import pytest
 
-from kitlib.setup import dotnet
 from tests.programs import ROOT, elsewhere, finished
 
 PAGE = (ROOT / "docs" / "guide" / "reinforcement_learning.md").read_text(encoding="utf-8")
@@ -22,8 +21,7 @@ FEWER = {
     "range(5)": "range(1)",
     "UPDATES = 16, 128, 80": "UPDATES = 16, 32, 16",
 }
-
-
+POLE, FILM, SCENE, DRONES, IN_THE_PLAYER, PLAIN, LOOP = PYTHON
 # An environment of lesson 11, which the page's program gets.
 COINS = """
 import sys
@@ -39,12 +37,12 @@ env = gymnasium.make("NetMQExample/Unity-v0", env_name="Coins", max_episode_step
 """
 
 
-def run(number, folder, before="", after=""):
-    script = elsewhere(before + PYTHON[number] + after)
+def run(program, folder):
+    script = elsewhere(program)
     for many, few in FEWER.items():
         script = script.replace(many, few)
     script = script.replace('"MlpPolicy", env, seed=1', '"MlpPolicy", env, n_steps=512, seed=1')
-    file = folder / f"block_{number}.py"
+    file = folder / "program.py"
     file.write_text(script, encoding="utf-8")
     environment = {**os.environ, "PYTHONPATH": str(ROOT / "python")}
     done = finished([sys.executable, file], timeout=300, cwd=folder, env=environment)
@@ -54,7 +52,8 @@ def run(number, folder, before="", after=""):
 
 @pytest.fixture
 def folder(tmp_path):
-    """A reader's, with the scripts of the page."""
+    """A reader's, with the scripts of the page, and its scene."""
+    (tmp_path / "hover_scene.py").write_text(SCENE, encoding="utf-8")
     for code in CSHARP:
         name = re.search(r"class (\w+)", code)
         assert name
@@ -69,23 +68,26 @@ def needs(*modules):
 
 @needs("stable_baselines3")
 def test_a_pole_is_learnt_and_filmed(folder):
-    assert re.search(r"^512 steps: \d+ of 500$", run(0, folder), re.MULTILINE)
+    assert re.search(r"^512 steps: \d+ of 500$", run(POLE, folder), re.MULTILINE)
     if importlib.util.find_spec("moviepy"):
-        run(1, folder)
+        run(FILM, folder)
         assert [*(folder / "films").glob("*.mp4")]
 
 
 @needs("stable_baselines3")
-@pytest.mark.skipif(not shutil.which("dotnet"), reason=f"needs the .NET SDK: {dotnet.INSTALLER}")
-def test_a_scene_of_ones_own_is_learnt(folder):
-    assert re.search(r"^2048 steps: \d+ of 500$", run(2, folder), re.MULTILINE)
+def test_a_scene_of_ones_own_is_learnt_the_same_in_both_languages(folder):
+    here = run(DRONES, folder)
+    assert re.search(r"^2048 steps: \d+ of 500$", here, re.MULTILINE)
+    if shutil.which("dotnet"):
+        (line,) = re.findall("^LAUNCH = .*$", DRONES, re.MULTILINE)
+        assert here == run(DRONES.replace(line, IN_THE_PLAYER), folder)
 
 
 @needs("stable_baselines3")
 def test_attributes_are_learnt(folder):
-    run(3, folder, before=COINS, after="env.close()\n")
+    run(f"{COINS}{PLAIN}env.close()\n", folder)
 
 
 @needs("torch", "gymnasium")
 def test_the_loop_learns(folder):
-    assert re.search(r"^8192 steps: \d+ of 500$", run(4, folder), re.MULTILINE)
+    assert re.search(r"^8192 steps: \d+ of 500$", run(LOOP, folder), re.MULTILINE)
