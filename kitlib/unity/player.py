@@ -110,7 +110,7 @@ def beside(name: str, own: Sequence[Path]) -> Path | None:
 
 
 def moved(errors: list[str], own: Sequence[Path]) -> Iterator[str]:
-    """Names of gymize, of ML-Agents and of NetMQ 3, and the page that has ours."""
+    """Names of gymize, of ML-Agents, of NetMQ 3 and of the kit's last version, and the page that has ours."""
     written = set(re.findall(r"\w+", "\n".join(map(code, own))))
     quoted = re.findall(r"'([^'\n]*)'", "\n".join(errors))
     words = set(re.findall(r"\w+", " ".join(quoted)))
@@ -118,7 +118,7 @@ def moved(errors: list[str], own: Sequence[Path]) -> Iterator[str]:
         theirs = set(names.split())
         found = ", ".join(name for name in names.split() if name in words)
         if found and (theirs - EVERYBODYS) & (written | words):
-            yield f"docs/guide/{page} says what to write for {found}"
+            yield f"{page} says what to write for {found}"
 
 
 def lacking_of_unity(errors: list[str], own: Sequence[Path]) -> Iterator[str]:

@@ -6,15 +6,8 @@ sys.path.append("python")
 import gymnasium
 import numpy as np
 
+import netmq_example.envs  # noqa: F401, it registers the environments.
 from netmq_example.video.film_writer import open_film
-
-gymnasium.register(
-    "My/Seeker-v0",
-    "netmq_example.envs:ZmqEnv",
-    vector_entry_point="netmq_example.envs:ZmqVectorEnv",
-    kwargs={"name": "Seeker"},
-    max_episode_steps=200,
-)
 
 
 def policy(pictures):
@@ -27,13 +20,15 @@ def policy(pictures):
 
 
 if __name__ == "__main__":
-    launch = [sys.executable, "kit.py", "play", "Seeker.cs", "SeekerAreas.cs"]
-    envs = gymnasium.make_vec("My/Seeker-v0", 16, launch=launch, wait=300)
+    launch = [sys.executable, "kit.py", "play", "Seeker.cs", "SeekerCopies.cs", "--add", "GymManager"]
+    launch += ["--envName", "Seeker", "--dt", "0.1"]
+    words = {"env_name": "Seeker", "max_episode_steps": 200, "launch": launch, "wait": 300}
+    envs = gymnasium.make_vec("NetMQExample/Unity-v0", 16, **words)
     film = open_film("sixteen.gif")
     try:
         for seed in range(8):
             alike, _ = envs.reset(seed=[seed] * 16)
-            assert (alike == alike[0]).all(), "an area sees its neighbours"
+            assert (alike == alike[0]).all(), "a robot sees its neighbours"
         seen, _ = envs.reset(seed=1)
         found = 0
         for step in range(120):
