@@ -1,32 +1,41 @@
 // Lesson 09, records: resets and steps as bytes, and the answers to them, each in one frame. In Python: records.py.
 //
-// All numbers are little-endian; n is how many there are, areas or agents, each of which has a row.
+// All numbers are little-endian. Every part begins at a multiple of 8, with zeros before it.
 //
-//     0            uint8       1: a request, 2: an answer; a message of lesson 05 begins with {, which is 123
-//     1            uint8       1: there is an exchange of side channels (lesson 13), else 0
-//     2            uint16      0
-//     4            uint32      n
-//     8            int64       the id of the request, and of its answer
-//     16           uint32      how many bytes of options there are
-//     20           uint32      how many bytes the exchange has
-//     24           n * 8       of a request the seeds, int64; of an answer the rewards, float64
-//     24 + 8 n     n * 4       uint32, how many bytes each row has
-//     24 + 12 n    n * 4       uint32, how many bytes each info has
-//     24 + 16 n    n           uint8: of a request 0 nothing, 1 step, 2 reset; of an answer 1 terminated + 2 truncated,
-//                              or 4, this agent is not there
-//     24 + 17 n                the options, the exchange, the rows, the infos
+//      0  uint8     3: a request, 4: an answer; a message of lesson 05 begins with {, which is 123
+//      1  uint8     1: there is an exchange of side channels (lesson 13), 2: who ends begins anew within this exchange,
+//                   4: the scene's clock, 8: real time
+//      2  uint16    how many sections there are             4  uint32  0
+//      8  int64     the id of the request, and of its answer
+//     16  uint32    how many bytes of options or infos      20  uint32  how many bytes the exchange has
+//     24            the options of a reset, or in an answer the world's own infos: a value (MessageTree.cs); the
+//                   exchange; and the sections, one for each kind of agent, and with ENDED one more of those that ended
 //
-// A row is an action or an observation, as its space says (GymSpace.cs). Options are those of a reset, or in an answer
-// what is told to all; infos are those of a step. Both are values (MessageTree.cs), or empty. A request has a row for
-// each that steps, an answer for each that is there.
+// A section has n rows, and row i is agent i of its kind, unless WHO says whose it is:
+//
+//      0  uint16    the kind, its place in the hello         2  uint16  columns, see below
+//      4  uint32    n      8  uint32  i, how many infos      12  uint32  bytes of values     16  uint32  bytes of infos
+//     20  uint32    0
+//     24            of a request n int64, the seeds; of an answer n float64, the rewards
+//                   n uint8, of a request 0 nothing, 1 step, 2 reset, 3 step and then your time is up; of an answer
+//                   1 terminated + 2 truncated + 4 not there + 8 new + 16 wants an action + 32 has a row of values
+//         WHO     1 n uint32
+//         IDS     2 n int32, episodes; the scene's clock only
+//         GROUPS  4 n int32, groups, and n float32, their rewards
+//         MASKS   8 n uint8 for each choice of the hello
+//         SIZES  16 uint32 for each row of values: its size; without it all are of one size
+//         FORM   32 uint32, how many bytes, and the form of all rows in ASCII: a row then has only its numbers. In any
+//                   row of locators its own agent is not named: 'car'@['speed'] = $ is written @['speed'] = $
+//         ENDED  64 these have ended in this exchange
+//                   the values: an action for each that steps, or an observation for each mark with 32
+//                   i pairs of uint32, row and size, and then the infos: values
 using System;
-using System.Buffers;
 using System.Collections.Generic;
 using System.Runtime.InteropServices;
 
 namespace NetMQExample
 {
-    /// <summary>The order to one area or agent.</summary>
+    /// <summary>The order to one agent.</summary>
     public enum Order : byte
     {
         /// <summary>It has no part in this.</summary>
@@ -37,18 +46,31 @@ namespace NetMQExample
 
         /// <summary>A new episode.</summary>
         Reset,
+
+        /// <summary>An action, after which its time is up.</summary>
+        Last,
+    }
+
+    // What a section has.
+    [Flags]
+    internal enum Columns : ushort
+    {
+        None = 0, Who = 1, Ids = 2, Groups = 4, Masks = 8, Sizes = 16, Form = 32, Ended = 64, All = 127,
+    }
+
+    // What an answer says of a row.
+    [Flags]
+    internal enum Marks : byte
+    {
+        None = 0, Terminated = 1, Truncated = 2, Absent = 4, New = 8, Wants = 16, Seen = 32,
     }
 
     /// <summary>A request, as it stands in a frame. It is read again and again, and then makes no garbage.</summary>
     public sealed class StepRequest
     {
-        private const int Head = 24, Each = 17;
+        internal const int Head = 24;
 
-        private ReadOnlyMemory<byte> frame;
-        private int[] begins = new int[0];
-
-        /// <summary>How many areas or agents there are.</summary>
-        public int Count { get; private set; }
+        private readonly List<RequestSection> sections = new List<RequestSection>();
 
         /// <summary>Its number, which the answer repeats.</summary>
         public long Id { get; private set; }
@@ -56,61 +78,72 @@ namespace NetMQExample
         /// <summary>Whether there is an exchange of side channels, perhaps an empty one.</summary>
         public bool HasExchange { get; private set; }
 
+        /// <summary>Whether agents that end begin anew within this exchange.</summary>
+        public bool Autoreset { get; private set; }
+
+        /// <summary>Whether time passes by the clock.</summary>
+        public bool RealTime { get; private set; }
+
         /// <summary>The options of a reset, a value, or nothing.</summary>
         public ReadOnlyMemory<byte> Options { get; private set; }
 
         /// <summary>The exchange of side channels.</summary>
         public ReadOnlyMemory<byte> Exchange { get; private set; }
 
-        /// <summary>Whether a frame is one, and no message of lesson 05.</summary>
-        public static bool Is(ReadOnlySpan<byte> frame) => frame.Length > 0 && ByteOf(frame) == 1;
+        // One for each kind that is asked.
+        internal int Count { get; private set; }
+
+        internal RequestSection this[int at] => sections[at];
+
+        /// <summary>Whether a frame is one, and no message of lesson 05. One of an older kit is one as well, which Read
+        /// refuses.</summary>
+        public static bool Is(ReadOnlySpan<byte> frame) => frame.Length > 0 && (ByteOf(frame) == 3 || ByteOf(frame) == 1);
 
         /// <summary>Takes what stands in a frame, which must not change meanwhile.</summary>
         /// <exception cref="MessageException">It is no request.</exception>
-        public void Read(ReadOnlyMemory<byte> received)
+        public void Read(ReadOnlyMemory<byte> frame)
         {
-            frame = received;
-            var bytes = received.Span;
+            var bytes = frame.Span;
             if (bytes.Length > Message.LimitBytes)
                 throw new MessageException("too-big", $"a step has at most {Message.LimitBytes} bytes");
+            if (bytes.Length > 0 && ByteOf(bytes) == 1)
+                throw new MessageException("old-record",
+                    "the other side speaks the record of an older kit: update the one that is older");
             if (!Is(bytes) || bytes.Length < Head) throw Bad("it ends too early");
-            var count = BitConverter.ToUInt32(bytes.Slice(4));
+            var bits = ByteOf(bytes.Slice(1));
+            Count = BitConverter.ToUInt16(bytes.Slice(2));
             Id = BitConverter.ToInt64(bytes.Slice(8));
-            HasExchange = (ByteOf(bytes.Slice(1)) & 1) != 0;
-            if (count == 0 || Head + (long)Each * count > bytes.Length || Id >> 53 != 0)
-                throw Bad($"id {Id} and {count} rows cannot be");
-            Count = (int)count;
-            if (begins.Length < Count + 1) begins = new int[Count + 1];
             long options = BitConverter.ToUInt32(bytes.Slice(16)), exchange = BitConverter.ToUInt32(bytes.Slice(20));
-            var at = Head + (long)Each * Count + options + exchange;
-            for (var row = 0; row < Count; row++)
+            if (bits > 15 || Count == 0 || BitConverter.ToUInt32(bytes.Slice(4)) != 0 || Id >> 53 != 0)
+                throw Bad($"id {Id}, bits {bits} and {Count} sections cannot be");
+            if ((bits & 4) != 0)
+                throw new MessageException("no-clock", "this kit steps by Python's clock, and not yet by the scene's own");
+            HasExchange = (bits & 1) != 0;
+            Autoreset = (bits & 2) != 0;
+            RealTime = (bits & 8) != 0;
+            if (exchange > 0 && !HasExchange) throw Bad("it has an exchange that its bits deny");
+            var begin = Head + Up(options);
+            var at = begin + Up(exchange);
+            if (at > bytes.Length) throw Bad("it ends too early");
+            Options = frame.Slice(Head, (int)options);
+            Exchange = frame.Slice((int)begin, (int)exchange);
+            for (var i = 0; i < Count; i++)
             {
-                if (Mark(row) > (byte)Order.Reset) throw Bad($"order {Mark(row)} is none");
-                begins[row] = (int)Math.Min(at, bytes.Length);
-                at += BitConverter.ToUInt32(bytes.Slice(Head + 8 * Count + 4 * row));
+                if (sections.Count == i) sections.Add(new RequestSection());
+                at = sections[i].Read(frame, at);
             }
-            begins[Count] = (int)Math.Min(at, bytes.Length);
-            for (var row = 0; row < Count; row++) at += BitConverter.ToUInt32(bytes.Slice(Head + 12 * Count + 4 * row));
             if (at != bytes.Length) throw Bad($"it has {bytes.Length} bytes in place of {at}");
-            Options = frame.Slice(Head + Each * Count, (int)options);
-            Exchange = frame.Slice(Head + Each * Count + (int)options, (int)exchange);
         }
 
-        /// <summary>The order to this one.</summary>
-        public Order OrderOf(int row) => (Order)Mark(row);
-
-        /// <summary>Whether any has this order.</summary>
+        /// <summary>Whether any agent has this order.</summary>
         public bool Has(Order order)
         {
-            for (var row = 0; row < Count; row++) if (OrderOf(row) == order) return true;
+            for (var i = 0; i < Count; i++) if (sections[i].Has(order)) return true;
             return false;
         }
 
-        /// <summary>The seed of its next episode.</summary>
-        public long Seed(int row) => BitConverter.ToInt64(frame.Span.Slice(Head + 8 * row));
-
-        /// <summary>Its action.</summary>
-        public ReadOnlyMemory<byte> Row(int row) => frame.Slice(begins[row], begins[row + 1] - begins[row]);
+        /// <summary>Whether any agent steps.</summary>
+        public bool Steps => Has(Order.Step) || Has(Order.Last);
 
         /// <summary>The options of a reset, by name.</summary>
         /// <exception cref="MessageException">They are none.</exception>
@@ -124,121 +157,114 @@ namespace NetMQExample
         // Mono has no indexer of a ReadOnlySpan.
         internal static byte ByteOf(ReadOnlySpan<byte> bytes) => MemoryMarshal.Read<byte>(bytes);
 
-        private byte Mark(int row) => ByteOf(frame.Span.Slice(Head + 16 * Count + row));
+        internal static long Up(long size) => (size + 7) & ~7L;
 
-        private static MessageException Bad(string why) =>
+        internal static MessageException Bad(string why) =>
             new MessageException("bad-record", $"this is no reset and no step: {why}");
     }
 
-    /// <summary>The answer to a request. It is written again and again, and then makes no garbage.</summary>
-    public sealed class StepAnswer
+    /// <summary>What is asked of the agents of one kind.</summary>
+    internal sealed class RequestSection
     {
-        private readonly ArrayBufferWriter<byte> infos = new ArrayBufferWriter<byte>();
-        private readonly ArrayBufferWriter<byte> whole = new ArrayBufferWriter<byte>();
-        private double[] rewards = new double[0];
-        private int[] sizes = new int[0];
-        private byte[] ends = new byte[0];
-        private long id;
-        private int count, rowsBefore, infosBefore;
+        private ReadOnlyMemory<byte> frame;
+        private int[] begins = new int[0];
+        private int begin, who;
 
-        /// <summary>The observations, row after row: write one, then call EndRow.</summary>
-        public ArrayBufferWriter<byte> Rows { get; } = new ArrayBufferWriter<byte>();
+        /// <summary>The kind, its place in the hello.</summary>
+        public int Kind { get; private set; }
 
-        /// <summary>A value for all; null: none.</summary>
-        public byte[] Options { get; set; }
+        public Columns Columns { get; private set; }
 
-        /// <summary>The messages of the side channels; null: there are none.</summary>
-        public byte[] Exchange { get; set; }
+        /// <summary>How many rows there are.</summary>
+        public int Count { get; private set; }
 
-        /// <summary>Begins the answer to a request.</summary>
-        public void Begin(StepRequest request)
+        /// <summary>The form of all rows, or nothing.</summary>
+        public ReadOnlyMemory<byte> Form { get; private set; }
+
+        public Order OrderOf(int row) => (Order)StepRequest.ByteOf(frame.Span.Slice(begin + 8 * Count + row));
+
+        /// <summary>The seed of its next episode.</summary>
+        public long Seed(int row) => BitConverter.ToInt64(frame.Span.Slice(begin + 8 * row));
+
+        /// <summary>Whose row it is, its place within the kind.</summary>
+        public long Whose(int row) =>
+            (Columns & Columns.Who) == 0 ? row : BitConverter.ToUInt32(frame.Span.Slice(who + 4 * row));
+
+        /// <summary>Its action; nothing for one that does not step.</summary>
+        public ReadOnlyMemory<byte> Row(int row) => frame.Slice(begins[row], begins[row + 1] - begins[row]);
+
+        public bool Has(Order order)
         {
-            if (rewards.Length < request.Count)
+            for (var row = 0; row < Count; row++) if (OrderOf(row) == order) return true;
+            return false;
+        }
+
+        /// <summary>Reads the section that begins there.</summary>
+        /// <returns>Where it ends.</returns>
+        public long Read(ReadOnlyMemory<byte> received, long from)
+        {
+            frame = received;
+            if (from + 24 > frame.Length) throw Early();
+            var head = frame.Span.Slice((int)from);
+            Kind = BitConverter.ToUInt16(head);
+            Columns = (Columns)BitConverter.ToUInt16(head.Slice(2));
+            long count = BitConverter.ToUInt32(head.Slice(4)), values = BitConverter.ToUInt32(head.Slice(12));
+            var infos = BitConverter.ToUInt32(head.Slice(8)) | BitConverter.ToUInt32(head.Slice(16))
+                | BitConverter.ToUInt32(head.Slice(20));
+            // Looked at before anything is made of it: a frame may claim thousands of millions.
+            if (from + 24 + 9 * count + values > frame.Length) throw Early();
+            const Columns Known = Columns.Who | Columns.Sizes | Columns.Form;
+            if (count == 0 || infos != 0 || (Columns & ~Known) != 0 || (Columns & Known) == Known
+                || (Columns & (Columns.Sizes | Columns.Form)) == (Columns.Sizes | Columns.Form))
+                throw StepRequest.Bad($"a section of {count} rows with columns {(int)Columns} cannot be");
+            Count = (int)count;
+            begin = (int)from + 24;
+            var at = begin + 8 * count + StepRequest.Up(count);
+            who = (int)at;
+            if ((Columns & Columns.Who) != 0) at += StepRequest.Up(4 * count);
+            var acting = 0;
+            for (var row = 0; row < Count; row++)
             {
-                rewards = new double[request.Count];
-                ends = new byte[request.Count];
-                sizes = new int[2 * request.Count];
+                if (OrderOf(row) > Order.Last) throw StepRequest.Bad($"order {(int)OrderOf(row)} is none");
+                if (Acts(row)) acting++;
             }
-            id = request.Id;
-            count = 0;
-            Rows.Clear();
-            infos.Clear();
-            Options = null;
-            Exchange = null;
-            rowsBefore = infosBefore = 0;
+            var sizes = (int)at;
+            if ((Columns & Columns.Sizes) != 0) at += StepRequest.Up(4L * acting);
+            Form = default;
+            if ((Columns & Columns.Form) != 0)
+            {
+                if (at + 4 > frame.Length) throw Early();
+                long size = BitConverter.ToUInt32(frame.Span.Slice((int)at));
+                if (at + 4 + size > frame.Length) throw Early();
+                Form = frame.Slice((int)at + 4, (int)size);
+                at += StepRequest.Up(4 + size);
+            }
+            var end = at + StepRequest.Up(values);
+            if (end > frame.Length) throw Early();
+            if (acting == 0 ? values != 0 : (Columns & Columns.Sizes) == 0 && values % acting != 0)
+                throw StepRequest.Bad($"{values} bytes are no {acting} rows");
+            FindRows(at, at + values, sizes, acting == 0 ? 0 : (int)(values / acting));
+            return end;
         }
 
-        /// <summary>Ends the row of the next one.</summary>
-        /// <param name="who">For a person who must mend something.</param>
-        /// <param name="verdict">The step's reward, and whether the episode is over.</param>
-        /// <param name="info">More for Python; null or empty: nothing.</param>
-        /// <exception cref="MessageException">The reward is no number.</exception>
-        public void EndRow(string who, (double Reward, bool Terminated, bool Truncated) verdict,
-            IReadOnlyDictionary<string, object> info = null)
+        private bool Acts(int row) => OrderOf(row) == Order.Step || OrderOf(row) == Order.Last;
+
+        private void FindRows(long at, long end, int sizes, int each)
         {
-            if (double.IsNaN(verdict.Reward) || double.IsInfinity(verdict.Reward))
-                throw new MessageException("bad-reward",
-                    FormattableString.Invariant($"the reward of {who} is {verdict.Reward}"));
-            rewards[count] = verdict.Reward;
-            EndRow(Ends(verdict), info);
+            if (begins.Length < Count + 1) begins = new int[Count + 1];
+            var sized = (Columns & Columns.Sizes) != 0;
+            for (var row = 0; row < Count; row++)
+            {
+                begins[row] = (int)at;
+                if (!Acts(row)) continue;
+                at += sized ? BitConverter.ToUInt32(frame.Span.Slice(sizes)) : each;
+                sizes += 4;
+                if (at > end) throw StepRequest.Bad("its rows have other sizes");
+            }
+            begins[Count] = (int)at;
+            if (at != end) throw StepRequest.Bad("its rows have other sizes");
         }
 
-        /// <summary>The next one had no part in this.</summary>
-        public void SkipRow()
-        {
-            rewards[count] = 0;
-            EndRow(0, null);
-        }
-
-        /// <summary>The next one is not there any more: nothing is seen of it.</summary>
-        /// <param name="verdict">Its reward until it left, and whether its episode was over by then.</param>
-        /// <param name="info">The infos that it has sent until then.</param>
-        public void EndAbsent((double Reward, bool Terminated, bool Truncated) verdict,
-            IReadOnlyDictionary<string, object> info)
-        {
-            rewards[count] = verdict.Reward;
-            EndRow((byte)(4 | Ends(verdict)), info);
-        }
-
-        /// <summary>All of it, until the next answer begins.</summary>
-        public ReadOnlyMemory<byte> Frame()
-        {
-            whole.Clear();
-            var head = whole.GetSpan(24);
-            head.Slice(0, 24).Clear();
-            head[0] = 2;
-            head[1] = (byte)(Exchange == null ? 0 : 1);
-            BitConverter.TryWriteBytes(head.Slice(4), (uint)count);
-            BitConverter.TryWriteBytes(head.Slice(8), id);
-            BitConverter.TryWriteBytes(head.Slice(16), (uint)(Options?.Length ?? 0));
-            BitConverter.TryWriteBytes(head.Slice(20), (uint)(Exchange?.Length ?? 0));
-            whole.Advance(24);
-            whole.Write(MemoryMarshal.AsBytes<double>(rewards.AsSpan(0, count)));
-            // The rows' sizes, and then the infos'.
-            whole.Write(MemoryMarshal.AsBytes<int>(sizes.AsSpan(0, count)));
-            whole.Write(MemoryMarshal.AsBytes<int>(sizes.AsSpan(rewards.Length, count)));
-            whole.Write(ends.AsSpan(0, count));
-            whole.Write(Options.AsSpan());
-            whole.Write(Exchange.AsSpan());
-            whole.Write(Rows.WrittenSpan);
-            whole.Write(infos.WrittenSpan);
-            if (whole.WrittenCount > Message.LimitBytes)
-                throw new MessageException("too-big", $"an answer has at most {Message.LimitBytes} bytes");
-            return whole.WrittenMemory;
-        }
-
-        private static byte Ends((double Reward, bool Terminated, bool Truncated) verdict) =>
-            (byte)((verdict.Terminated ? 1 : 0) | (verdict.Truncated ? 2 : 0));
-
-        private void EndRow(byte end, IReadOnlyDictionary<string, object> info)
-        {
-            if (info != null && info.Count > 0) MessageTree.Write(infos, info);
-            ends[count] = end;
-            sizes[count] = Rows.WrittenCount - rowsBefore;
-            sizes[rewards.Length + count] = infos.WrittenCount - infosBefore;
-            rowsBefore = Rows.WrittenCount;
-            infosBefore = infos.WrittenCount;
-            count++;
-        }
+        private static MessageException Early() => StepRequest.Bad("it ends too early");
     }
 }

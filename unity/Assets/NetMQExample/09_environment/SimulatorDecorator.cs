@@ -19,17 +19,12 @@ namespace NetMQExample
         public override Message Say(Message request) => simulator.Say(request);
 
         /// <inheritdoc/>
-        public override void Do(StepRequest request, StepAnswer answer) => simulator.Do(request, answer);
-
-        /// <inheritdoc/>
-        public override bool NeedsFrame() => simulator.NeedsFrame();
-
-        /// <inheritdoc/>
-        public override void See(StepRequest request, StepAnswer answer)
+        public override bool Do(StepRequest request, StepAnswer answer, bool again)
         {
-            simulator.See(request, answer);
+            var done = simulator.Do(request, answer, again);
             Episodes = simulator.Episodes;
             Steps = simulator.Steps;
+            return done;
         }
     }
 }

@@ -1,0 +1,199 @@
+// Lesson 09 in Unity: derive from this, and Python decides what your agent does, and when time passes for it.
+//
+// Use: put your component on a game object, and a GymManager anywhere in the scene.
+//
+//     public sealed class Ball : Agent
+//     {
+//         private double place, speed;
+//
+//         public override GymSpace Observation { get; } = GymSpace.Box(new double[] { -12, -9 }, new double[] { 12, 9 });
+//         public override GymSpace Action { get; } = GymSpace.Discrete(3);
+//
+//         public override void OnReset() => (place, speed) = (Rng.Next() - 0.5, 0);
+//         public override void OnAction(SpaceReader action) => speed += (action[0] - 1) * Dt;
+//         public override void OnTick(double dt) => place += speed * dt;
+//         public override void OnStepped() { AddReward(-Math.Abs(place)); if (Math.Abs(place) > 10) Terminate(); }
+//         public override void Observe(SpaceWriter seen) => seen.Add(place, speed);
+//     }
+//
+// One whose fields have attributes (Obs.cs) leaves out the spaces and Observe.
+using System;
+using System.Collections;
+using System.Collections.Generic;
+using System.Reflection;
+using UnityEngine;
+
+namespace NetMQExample
+{
+    /// <summary>It sees and acts. While it is enabled it takes part, so it may come late.</summary>
+    [DisallowMultipleComponent]
+    public abstract class Agent : MonoBehaviour, IAgent
+    {
+        [SerializeField, Tooltip("What Python calls it; several of one name get numbers")]
+        private string agentName = "agent";
+        [SerializeField, Min(1), Tooltip("How many ticks one of its steps takes")] private int stepPeriod = 1;
+
+        private AgentState state;
+
+        /// <summary>All that take part now. For the main thread.</summary>
+        public static List<IAgent> All { get; } = new List<IAgent>();
+
+        /// <summary>Its name in Python. A script that makes agents names each one as soon as it is made.</summary>
+        public string Name
+        {
+            get => state?.Name ?? agentName;
+            set
+            {
+                agentName = Require.Given("Name", value);
+                state?.Call(value, true);
+                // What gave up because of its name has another one.
+                if (state == null && isActiveAndEnabled) OnEnable();
+            }
+        }
+
+        /// <summary>How many ticks one of its steps takes.</summary>
+        public int StepPeriod
+        {
+            get => stepPeriod;
+            set
+            {
+                stepPeriod = value;
+                if (state != null) state.Period = value;
+            }
+        }
+
+        /// <inheritdoc/>
+        AgentState IAgent.AgentState => Own;
+
+        /// <inheritdoc/>
+        public virtual GymSpace Observation => null;
+
+        /// <inheritdoc/>
+        public virtual GymSpace Action => null;
+
+        /// <summary>How many numbers the option "state" has, in which an episode can begin.</summary>
+        protected virtual int StateSize => 0;
+
+        /// <summary>The random numbers of this episode, which Python's seed decides.</summary>
+        protected RandomGenerator Rng => Own.Rng;
+
+        /// <summary>The options that Python gave to reset.</summary>
+        protected IReadOnlyDictionary<string, object> Options => Own.Options;
+
+        /// <summary>The option "state": <see cref="StateSize"/> numbers, or none.</summary>
+        protected double[] FirstState => Own.FirstState;
+
+        /// <summary>Whatever else Python is to know of this step, by name.</summary>
+        protected IDictionary<string, object> Info => Own.Info;
+
+        /// <summary>Seconds of one of its steps.</summary>
+        protected double Dt => Own.Dt;
+
+        // Made also for the only agent: what is wrong with its members is said when it comes.
+        private AgentState Own
+        {
+            get
+            {
+                if (state != null) return state;
+                Observed.Engine = UnityValues.Numbers;
+                state = MakeState();
+                state.Period = stepPeriod;
+                state.StateSize = StateSize;
+                return state;
+            }
+        }
+
+        /// <inheritdoc/>
+        public virtual void OnReset() { }
+
+        /// <inheritdoc/>
+        public virtual void OnAction(SpaceReader action) => OnAction(action.Value);
+
+        /// <inheritdoc/>
+        public virtual void OnAction(object action) { }
+
+        /// <inheritdoc/>
+        public virtual void OnTick(double dt) { }
+
+        /// <inheritdoc/>
+        public virtual void OnStepped() { }
+
+        /// <inheritdoc/>
+        public virtual void Observe(SpaceWriter seen) { }
+
+        /// <inheritdoc/>
+        public virtual void OnInfo(object info) { }
+
+        /// <inheritdoc/>
+        public virtual MessageArray Render() => null;
+
+        /// <summary>The action of a person who plays by hand, from Input: numbers (double[]), or any value of its
+        /// space; null: it does nothing, which is zeros.</summary>
+        public virtual object Heuristic() => null;
+
+        /// <summary>Reads the attributes of its class, once; for an agent that is one's own, its state.</summary>
+        protected virtual AgentState MakeState() => new AgentState(agentName, this);
+
+        /// <summary>Adds to the reward that goes with the next answer.</summary>
+        public void AddReward(double more) => Own.AddReward(more);
+
+        /// <summary>Replaces the reward that goes with the next answer.</summary>
+        public void SetReward(double all) => Own.SetReward(all);
+
+        /// <summary>The episode is over for it: it has reached an end of the world.</summary>
+        public void Terminate() => Own.Terminate();
+
+        /// <summary>The episode is over for it, for another reason, such as the time.</summary>
+        public void Truncate() => Own.Truncate();
+
+        /// <summary>Tells Python something, with the next answer.</summary>
+        public void SendInfo(object info) => Own.SendInfo(info);
+
+        /// <summary>Comes. An override calls base.OnEnable().</summary>
+        protected virtual void OnEnable()
+        {
+            var first = state == null;
+            try
+            {
+                _ = Own;
+            }
+            catch (ArgumentException e)
+            {
+                GiveUp(e.Message);
+                return;
+            }
+            if (!All.Contains(this)) All.Add(this);
+            if (!first) return;
+            WarnOfClock();
+            StartCoroutine(LookForManager());
+        }
+
+        /// <summary>Leaves. An override calls base.OnDisable().</summary>
+        protected virtual void OnDisable() => All.Remove(this);
+
+        internal void GiveUp(string why)
+        {
+            Debug.LogError($"gave up: {why}");
+            enabled = false;
+        }
+
+        // Not in Start, which an agent may have itself.
+        private void WarnOfClock()
+        {
+            const BindingFlags Declared =
+                BindingFlags.Instance | BindingFlags.Public | BindingFlags.NonPublic | BindingFlags.DeclaredOnly;
+            for (var type = GetType(); type != typeof(Agent); type = type.BaseType)
+                if (type.GetMethod("FixedUpdate", Declared) != null)
+                    Debug.LogWarning($"trouble: {type.Name}.FixedUpdate runs by the clock: "
+                        + "what belongs to a step is done in OnTick(double dt)");
+        }
+
+        // All of the scene are enabled by then; one agent says it for all.
+        private IEnumerator LookForManager()
+        {
+            yield return null;
+            if (GymManager.Current == null && All.Count > 0 && ReferenceEquals(All[0], this))
+                Debug.LogWarning("trouble: no GymManager is enabled in this scene: its agents do nothing");
+        }
+    }
+}

@@ -1,0 +1,192 @@
+// Lesson 09, an agent's state: what it is told, and what is known of it between two answers to Python.
+//
+// It needs no UnityEngine. In Python: scene/agent.py.
+using System;
+using System.Collections.Generic;
+using System.Linq;
+
+namespace NetMQExample
+{
+    /// <summary>The part of an agent that needs no engine.</summary>
+    public sealed class AgentState
+    {
+        // While a simulator resets or steps on this thread.
+        [ThreadStatic] internal static bool Inside;
+
+        private readonly InfoList infos = new InfoList();
+        private readonly Dictionary<string, object> info = new Dictionary<string, object>();
+        private int period;
+        private bool terminated, truncated;
+
+        /// <summary>Reads the attributes of an object's class.</summary>
+        /// <param name="name">What Python calls it; several agents of one name get numbers.</param>
+        /// <param name="observed">The object with the observed members.</param>
+        /// <param name="period">How many ticks a step of this agent takes.</param>
+        /// <exception cref="ArgumentException">A locator is wrong; the message names member and column.</exception>
+        public AgentState(string name, object observed, int period = 1)
+        {
+            Period = period;
+            Given = Name = Require.Given("name", name);
+            Scope = ScopeOf(name);
+            foreach (var member in Observed.Members(Require.Given("observed", observed).GetType()))
+                Sources.Add(new Source(member.FullName,
+                    () => Parse(member.FullName, member.Locator, member.Name, Scope), () => member.Read(observed))
+                { Write = (to, form) => member.Write(observed, to, form) });
+            var twice = Sources.GroupBy(source => source.Locator.ToString())
+                .FirstOrDefault(group => group.Count() > 1 && !group.First().Locator.Mappings.Any(one => one.Appends));
+            if (twice != null)
+                throw new ArgumentException(
+                    $"{string.Join(" and ", twice.Select(source => source.Name))} go to one place: {twice.Key}");
+        }
+
+        /// <summary>What Python calls it; decided when Python comes.</summary>
+        public string Name { get; private set; }
+
+        /// <summary>How many ticks a step of this agent takes, at least 1.</summary>
+        public int Period
+        {
+            get => period;
+            set => period = Math.Max(1, value);
+        }
+
+        /// <summary>How many numbers the option "state" has, in which an episode can begin.</summary>
+        public int StateSize { get; set; }
+
+        /// <summary>Where its relative locators begin.</summary>
+        public Locator Scope { get; private set; }
+
+        /// <summary>The members that it sees with, and perhaps others.</summary>
+        public List<Source> Sources { get; } = new List<Source>();
+
+        /// <summary>The random numbers of this episode, which Python's seed decides.</summary>
+        public RandomGenerator Rng { get; private set; } = new RandomGenerator(0);
+
+        /// <summary>The options that Python gave to reset.</summary>
+        public IReadOnlyDictionary<string, object> Options { get; private set; } = new Dictionary<string, object>();
+
+        /// <summary>The option "state", if there is one.</summary>
+        public double[] FirstState { get; private set; } = new double[0];
+
+        /// <summary>Whatever else Python is to know of this step, by name.</summary>
+        public IDictionary<string, object> Info => info;
+
+        /// <summary>Seconds of one of its steps.</summary>
+        public double Dt => Tick * Period;
+
+        /// <summary>A source whose locator is read here, once.</summary>
+        /// <exception cref="ArgumentException">The locator is wrong; the message says where.</exception>
+        public static Source Make(string name, string locator, string standard, Locator scope, Func<object> read) =>
+            new Source(name, Parse(name, locator, standard, scope), read);
+
+        /// <summary>Adds to the reward that goes with the next answer.</summary>
+        /// <exception cref="MessageException">It is not finite.</exception>
+        public void AddReward(double more) => Change(nameof(AddReward), Reward + Finite(more), terminated, truncated);
+
+        /// <summary>Replaces the reward that goes with the next answer.</summary>
+        /// <exception cref="MessageException">It is not finite.</exception>
+        public void SetReward(double all) => Change(nameof(SetReward), Finite(all), terminated, truncated);
+
+        /// <summary>The episode is over for it: it has reached an end of the world.</summary>
+        public void Terminate() => Change(nameof(Terminate), Reward, true, truncated);
+
+        /// <summary>The episode is over for it, for another reason, such as the time.</summary>
+        public void Truncate() => Change(nameof(Truncate), Reward, terminated, true);
+
+        /// <summary>Tells Python something, with the next answer.</summary>
+        /// <exception cref="MessageException">It has no place in a message.</exception>
+        public void SendInfo(object info) => infos.Send(info);
+
+        // As the scene, or a script, has called it: its number comes with the hello.
+        internal string Given { get; private set; }
+
+        internal AgentRow Row { get; set; }
+
+        internal double Tick { get; set; }
+
+        // Since the last answer.
+        internal double Reward { get; private set; }
+
+        // It has no more ticks until the next reset.
+        internal bool Over => terminated || truncated;
+
+        // The call that came between two steps, such as in an Update, which belongs to neither; or null.
+        internal string Late { get; private set; }
+
+        internal void Call(string name, bool given = false)
+        {
+            if (given) (Given, Row) = (name, null);
+            if (name == Name) return;
+            Name = name;
+            Scope = ScopeOf(name);
+            foreach (var source in Sources) source.Place();
+        }
+
+        internal void Begin(RandomGenerator random, IReadOnlyDictionary<string, object> options, double[] first)
+        {
+            Rng = random;
+            Options = options;
+            FirstState = first;
+            Reward = 0;
+            terminated = false;
+            truncated = false;
+            infos.Clear();
+            info.Clear();
+            Late = null;
+        }
+
+        // In the same episode there is another one of this name: its scene was loaded anew. In one that has just begun
+        // rewards and ends of the one before are of the episode that is over.
+        internal void GoOnFrom(AgentState before, bool begun)
+        {
+            Rng = before.Rng;
+            Options = before.Options;
+            FirstState = before.FirstState;
+            infos.InsertFrom(before.infos);
+            foreach (var value in before.info) info.TryAdd(value.Key, value.Value);
+            if (begun) return;
+            Reward += before.Reward;
+            terminated |= before.terminated;
+            truncated |= before.truncated;
+            Late ??= before.Late;
+        }
+
+        // What Python gets of it, once. The reward and the ends as marks: 1 terminated, 2 truncated.
+        internal (double Reward, byte Ends) Take()
+        {
+            var taken = Reward;
+            Reward = 0;
+            Late = null;
+            Finite(taken);
+            return (taken, (byte)((terminated ? 1 : 0) | (truncated ? 2 : 0)));
+        }
+
+        // By name, until TakeInfo is called again; or null.
+        internal Dictionary<string, object> TakeInfo()
+        {
+            var sent = infos.Take();
+            if (sent != null) info["agent"] = sent;
+            return info.Count > 0 ? info : null;
+        }
+
+        internal void ForgetInfo() => info.Clear();
+
+        private static Locator ScopeOf(string name) => Locator.Parse(LocatorMapping.Quoted(name) + "@");
+
+        private static Locator Parse(string name, string locator, string standard, Locator scope)
+        {
+            try { return Locator.Parse(locator, standard, scope); }
+            catch (LocatorException e) { throw new ArgumentException($"{name}, locator \"{locator}\": {e.Message}"); }
+        }
+
+        private void Change(string what, double reward, bool terminated, bool truncated)
+        {
+            (Reward, this.terminated, this.truncated) = (reward, terminated, truncated);
+            if (!Inside) Late = what;
+        }
+
+        private double Finite(double number) => Math.Abs(number) < double.PositiveInfinity
+            ? number
+            : throw new MessageException("bad-reward",
+                FormattableString.Invariant($"the reward of agent '{Name}' is {number}, which is not finite"));
+    }
+}

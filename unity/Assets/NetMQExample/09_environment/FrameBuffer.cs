@@ -1,0 +1,80 @@
+// Lesson 09, a frame that is being written: bytes that grow, and can be written over.
+using System;
+using System.Buffers;
+
+namespace NetMQExample
+{
+    /// <summary>It is used again for the next frame, and then makes no garbage.</summary>
+    internal sealed class FrameBuffer : IBufferWriter<byte>
+    {
+        private byte[] bytes = new byte[256];
+
+        /// <summary>How many bytes there are.</summary>
+        public int Count { get; private set; }
+
+        public void Clear(int count = 0) => Count = count;
+
+        public void Advance(int count) => Count += count;
+
+        public Span<byte> GetSpan(int sizeHint = 0)
+        {
+            Grow(sizeHint);
+            return bytes.AsSpan(Count);
+        }
+
+        public Memory<byte> GetMemory(int sizeHint = 0)
+        {
+            Grow(sizeHint);
+            return bytes.AsMemory(Count);
+        }
+
+        /// <summary>What stands there from a place on.</summary>
+        public Span<byte> At(int at) => bytes.AsSpan(at, Count - at);
+
+        public ReadOnlyMemory<byte> From(int at) => bytes.AsMemory(at, Count - at);
+
+        /// <summary>Zeros, to be written over, behind zeros up to a multiple of 8.</summary>
+        /// <returns>Where they begin.</returns>
+        public int Reserve(int size)
+        {
+            Pad();
+            var at = Count;
+            GetSpan(size).Slice(0, size).Clear();
+            Count += size;
+            return at;
+        }
+
+        /// <summary>Zeros up to a multiple of 8.</summary>
+        public void Pad()
+        {
+            for (Grow(8); Count % 8 != 0; Count++) bytes[Count] = 0;
+        }
+
+        // All machines that Unity runs on are little-endian, as the bytes are.
+        public void Write(uint number) => Count += BitConverter.TryWriteBytes(GetSpan(4), number) ? 4 : 0;
+
+        public void Write(long number) => Count += BitConverter.TryWriteBytes(GetSpan(8), number) ? 8 : 0;
+
+        public void Write(double number) => Count += BitConverter.TryWriteBytes(GetSpan(8), number) ? 8 : 0;
+
+        public void Write(byte number)
+        {
+            Grow(1);
+            bytes[Count++] = number;
+        }
+
+        public void Write(ReadOnlySpan<byte> from)
+        {
+            Grow(from.Length);
+            from.CopyTo(bytes.AsSpan(Count));
+            Count += from.Length;
+        }
+
+        private void Grow(int by)
+        {
+            if (bytes.Length - Count >= by) return;
+            // In long: twice as much may be more than an int.
+            Array.Resize(ref bytes, (int)Math.Min(int.MaxValue - 64, Math.Max(2L * bytes.Length, (long)Count + by)));
+        }
+    }
+}

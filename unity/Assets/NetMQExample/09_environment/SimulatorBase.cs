@@ -1,0 +1,119 @@
+// Lesson 09, the simulator: does in a simulation what an environment asks for, and each request once.
+using System;
+using System.Collections.Generic;
+
+namespace NetMQExample
+{
+    /// <summary>Answers requests. The last answer is kept, and a request that comes again gets it again: so a retry
+    /// never steps twice.</summary>
+    public abstract class SimulatorBase
+    {
+        private readonly StepAnswer answer = new StepAnswer();
+        private long id;
+
+        /// <summary>Called with each mistake in the simulation. Python hears of it as well, in one line.</summary>
+        public Action<Exception> Mistake { get; set; } = e => Console.Error.WriteLine(e);
+
+        /// <summary>How many episodes were begun.</summary>
+        public int Episodes { get; protected set; }
+
+        /// <summary>How many steps were done.</summary>
+        public int Steps { get; protected set; }
+
+        /// <summary>The simulated world.</summary>
+        public abstract string Name { get; }
+
+        /// <summary>The last answer, where it was in words; else null, and it is in <see cref="Frame"/>.</summary>
+        public Message Reply { get; private set; }
+
+        /// <summary>The last answer to a reset or a step.</summary>
+        public ReadOnlyMemory<byte> Frame { get; private set; }
+
+        /// <summary>Whether a frame must pass before what was asked for can be answered: Answer it again then.
+        /// </summary>
+        public bool Waiting { get; private set; }
+
+        /// <summary>The hello, which tells an environment who is there. Ids of requests start again.</summary>
+        public Message Hello()
+        {
+            id = 0;
+            Waiting = false;
+            return Reply = Describe();
+        }
+
+        /// <summary>Answers a reset or a step, unless that was done before. The answer is kept.</summary>
+        public void Answer(StepRequest request)
+        {
+            if (request.Id <= id && !Waiting) return;
+            try
+            {
+                var again = Waiting;
+                id = request.Id;
+                if (!again) answer.Begin(request.Id);
+                Waiting = !Do(request, answer, again);
+                if (Waiting) return;
+                Frame = answer.Frame();
+                Reply = null;
+            }
+            catch (Exception e)
+            {
+                Waiting = false;
+                Reply = Refusal(e);
+            }
+        }
+
+        /// <summary>Answers what was asked in words, unless that was done before. The answer is kept.</summary>
+        /// <param name="request">Of any kind but close.</param>
+        public void Answer(Message request)
+        {
+            if (request.Id <= id) return;
+            id = request.Id;
+            try
+            {
+                Reply = Say(request);
+                // A value that cannot be written is found here.
+                Reply.Header();
+            }
+            catch (Exception e)
+            {
+                Reply = Refusal(e);
+            }
+        }
+
+        /// <summary>A hello: name, dt and the kinds of agents.</summary>
+        public abstract Message Describe();
+
+        /// <summary>Resets or steps, and says what is seen then.</summary>
+        /// <param name="request">What is asked.</param>
+        /// <param name="answer">Takes what is seen.</param>
+        /// <param name="again">False at first; true when a frame has passed for it.</param>
+        /// <returns>Whether it is done; else a frame must pass, and then it is called again.</returns>
+        public abstract bool Do(StepRequest request, StepAnswer answer, bool again);
+
+        /// <summary>Answers what is asked in words, such as render.</summary>
+        public abstract Message Say(Message request);
+
+        /// <summary>An info with its receiver, empty for the environment.</summary>
+        protected static (string Whom, object Info) InfoOf(Message request) => request.Arrays.Count == 1
+            && MessageTree.Read(request.Arrays[0].Data) is List<object> pair
+            && pair.Count == 2 && pair[0] is string agent ? (agent, pair[1])
+            : throw new MessageException("bad-info", "it is no name with an info");
+
+        /// <summary>To throw: the request is unknown.</summary>
+        protected static MessageException Unknown(Message request, string known) => new MessageException("unknown-kind",
+            $"kind {MessageJson.Shown(request.Kind)} is none of reset, step, {known}, close");
+
+        private Message Refusal(Exception e)
+        {
+            if (e is MessageException known)
+                return Error(known.Code, known.Message.Substring(known.Code.Length + 2));
+            // A mistake in the simulation must not end it: its place is for whoever writes it.
+            Mistake(e);
+            var text = LogText.Printable((e.Message ?? "").Split('\n')[0]);
+            return Error("error-in-simulation", $"{e.GetType().Name}: {text}");
+        }
+
+        private Message Error(string code, string text) =>
+            new Message("error", id) { Values = { ["code"] = code, ["text"] = text } };
+    }
+}

@@ -1,0 +1,130 @@
+// Lesson 09, the answer to a reset or a step, as Records.cs says.
+using System;
+using System.Collections.Generic;
+
+namespace NetMQExample
+{
+    /// <summary>It is written again and again, and then makes no garbage.</summary>
+    public sealed class StepAnswer
+    {
+        private readonly FrameBuffer ended = new FrameBuffer(), infos = new FrameBuffer(), table = new FrameBuffer();
+        private readonly FrameBuffer whole = new FrameBuffer();
+        private readonly FrameBuffer now = new FrameBuffer();
+        private long id;
+        private int sections;
+        // Of the section that is being written: its buffer, and where its parts begin.
+        private FrameBuffer to;
+        private int head, count, marks, sizes, values;
+
+        /// <summary>A value for all; null: none.</summary>
+        internal byte[] Infos { get; set; }
+
+        /// <summary>The messages of the side channels; null: there are none.</summary>
+        public byte[] Exchange { get; set; }
+
+        /// <summary>All of it, until the next answer begins.</summary>
+        public ReadOnlyMemory<byte> Frame()
+        {
+            now.Write(ended.From(0).Span);
+            var frame = now;
+            if (Infos != null || Exchange != null)
+            {
+                frame = whole;
+                whole.Clear();
+                whole.Reserve(StepRequest.Head);
+                whole.Write(Infos.AsSpan());
+                whole.Pad();
+                whole.Write(Exchange.AsSpan());
+                whole.Pad();
+                whole.Write(now.From(StepRequest.Head).Span);
+            }
+            if (frame.Count > Message.LimitBytes)
+                throw new MessageException("too-big", $"an answer has at most {Message.LimitBytes} bytes");
+            var first = frame.At(0);
+            first[0] = 4;
+            first[1] = (byte)(Exchange == null ? 0 : 1);
+            BitConverter.TryWriteBytes(first.Slice(2), (ushort)sections);
+            BitConverter.TryWriteBytes(first.Slice(8), id);
+            BitConverter.TryWriteBytes(first.Slice(16), (uint)(Infos?.Length ?? 0));
+            BitConverter.TryWriteBytes(first.Slice(20), (uint)(Exchange?.Length ?? 0));
+            return frame.From(0);
+        }
+
+        internal void Begin(long of)
+        {
+            id = of;
+            sections = 0;
+            Infos = null;
+            Exchange = null;
+            ended.Clear();
+            now.Clear();
+            now.Reserve(StepRequest.Head);
+        }
+
+        /// <summary>Begins a section of so many rows.</summary>
+        internal void BeginSection(int kind, int rows, Columns columns)
+        {
+            to = (columns & Columns.Ended) != 0 ? ended : now;
+            sections++;
+            count = rows;
+            head = to.Reserve(24);
+            BitConverter.TryWriteBytes(to.At(head), (ushort)kind);
+            BitConverter.TryWriteBytes(to.At(head + 2), (ushort)columns);
+            BitConverter.TryWriteBytes(to.At(head + 4), (uint)rows);
+            to.Reserve(8 * rows);
+            marks = to.Reserve(rows);
+            to.Pad();
+            infos.Clear();
+            table.Clear();
+        }
+
+        /// <summary>Whose rows these are; called for each row, before anything else.</summary>
+        internal void Who(int place) => to.Write((uint)place);
+
+        /// <summary>What is said of a row.</summary>
+        internal void Set(int row, double reward, Marks mark, Dictionary<string, object> info)
+        {
+            BitConverter.TryWriteBytes(to.At(head + 24 + 8 * row), reward);
+            to.At(marks + row)[0] = (byte)mark;
+            if (info == null) return;
+            var before = infos.Count;
+            MessageTree.Write(infos, info);
+            table.Write((uint)row);
+            table.Write((uint)(infos.Count - before));
+        }
+
+        /// <summary>Begins the values of so many rows, which are written into what is returned.</summary>
+        /// <param name="rows">How many there are.</param>
+        /// <param name="sized">Whether each has a size of its own, which Size says.</param>
+        /// <param name="form">The form of all, or null.</param>
+        internal FrameBuffer BeginValues(int rows, bool sized, byte[] form = null)
+        {
+            if (sized) sizes = to.Reserve(4 * rows);
+            if (form != null)
+            {
+                to.Pad();
+                to.Write((uint)form.Length);
+                to.Write(form);
+            }
+            to.Pad();
+            values = to.Count;
+            if (sized || form != null) to.At(head + 2)[0] |= (byte)(sized ? Columns.Sizes : Columns.Form);
+            return to;
+        }
+
+        /// <summary>The size of a row of values.</summary>
+        internal void Size(int row, int size) => BitConverter.TryWriteBytes(to.At(sizes + 4 * row), (uint)size);
+
+        /// <summary>Ends it, after the last of its values.</summary>
+        internal void EndSection()
+        {
+            BitConverter.TryWriteBytes(to.At(head + 8), (uint)(table.Count / 8));
+            BitConverter.TryWriteBytes(to.At(head + 12), (uint)(to.Count - values));
+            BitConverter.TryWriteBytes(to.At(head + 16), (uint)infos.Count);
+            to.Pad();
+            to.Write(table.From(0).Span);
+            to.Write(infos.From(0).Span);
+            to.Pad();
+        }
+    }
+}
