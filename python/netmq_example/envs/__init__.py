@@ -9,22 +9,21 @@
 
 The last form is Gymnasium's own: it imports the module before the colon. Its versions before 1.0 also called what an
 entry point names; today's do not.
-A class is imported when it is first used, as in `from netmq_example.envs import ZmqParallelEnv`. Only those for several
-agents need pettingzoo. A type checker, which imports nothing, finds them as well.
+A class is imported when it is first used, as in `from netmq_example.envs import UnityParallelEnv`. Only those for
+several agents need pettingzoo. A type checker, which imports nothing, finds them as well.
 """
 
+import warnings
 from typing import TYPE_CHECKING, Any
 
 from netmq_example.doors import door
 from netmq_example.extras import without
 
 if TYPE_CHECKING:
-    from netmq_example.envs.gym_env import ZmqEnv
-    from netmq_example.envs.parallel_env import ZmqParallelEnv
-    from netmq_example.envs.unity_env import UnityGymEnv
-    from netmq_example.envs.unity_parallel_env import UnityAECEnv, UnityParallelEnv
-    from netmq_example.envs.unity_vector_env import UnityVectorEnv
-    from netmq_example.envs.vector_env import ZmqVectorEnv
+    from netmq_example.envs.gym_env import UnityGymEnv
+    from netmq_example.envs.parallel_env import UnityAECEnv, UnityParallelEnv
+    from netmq_example.envs.side_channels import carry
+    from netmq_example.envs.vector_env import UnityVectorEnv
 
 try:
     from gymnasium.envs import registration
@@ -36,22 +35,14 @@ __all__ = [
     "UnityGymEnv",
     "UnityParallelEnv",
     "UnityVectorEnv",
-    "ZmqEnv",
-    "ZmqParallelEnv",
-    "ZmqVectorEnv",
+    "carry",
     "register",
 ]
-WORLD = {
-    "entry_point": "netmq_example.envs.gym_env:ZmqEnv",
-    "vector_entry_point": "netmq_example.envs.vector_env:ZmqVectorEnv",
-}
+UNITY = {"entry_point": f"{__name__}:UnityGymEnv", "vector_entry_point": f"{__name__}:UnityVectorEnv"}
 ENVIRONMENTS: dict[str, dict[str, Any]] = {
-    "NetMQExample/CartPole-v0": {**WORLD, "kwargs": {"name": "CartPole"}, "max_episode_steps": 500},
-    "NetMQExample/Car-v0": {**WORLD, "kwargs": {"name": "Car"}, "max_episode_steps": 1000},
-    "NetMQExample/Unity-v0": {
-        "entry_point": "netmq_example.envs.unity_env:UnityGymEnv",
-        "vector_entry_point": "netmq_example.envs.unity_vector_env:UnityVectorEnv",
-    },
+    "NetMQExample/CartPole-v0": {**UNITY, "kwargs": {"env_name": "CartPole"}, "max_episode_steps": 500},
+    "NetMQExample/Car-v0": {**UNITY, "kwargs": {"env_name": "Car"}, "max_episode_steps": 1000},
+    "NetMQExample/Unity-v0": UNITY,
 }
 
 
@@ -62,17 +53,23 @@ def register() -> None:
             registration.register(name, **words)
 
 
+# The names of version 0.3, for one version more.
+FORMER = {"ZmqEnv": "UnityGymEnv", "ZmqVectorEnv": "UnityVectorEnv", "ZmqParallelEnv": "UnityParallelEnv"}
+
 # Hidden from a type checker, to which any name would exist.
 if not TYPE_CHECKING:
     ROOMS = {
-        "gym_env": "ZmqEnv",
-        "parallel_env": "ZmqParallelEnv",
-        "unity_env": "UnityGymEnv",
-        "unity_parallel_env": "UnityAECEnv UnityParallelEnv",
-        "unity_vector_env": "UnityVectorEnv",
-        "vector_env": "ZmqVectorEnv",
+        "gym_env": "UnityGymEnv",
+        "parallel_env": "UnityAECEnv UnityParallelEnv",
+        "side_channels": "carry",
+        "vector_env": "UnityVectorEnv",
     }
-    __getattr__, __dir__ = door(__name__, ROOMS)
+    load, __dir__ = door(__name__, ROOMS)
+
+    def __getattr__(name):
+        if name in FORMER:
+            warnings.warn(f"{name} is {FORMER[name]} now, and its name= is env_name=", DeprecationWarning, stacklevel=2)
+        return load(FORMER.get(name, name))
 
 
 register()

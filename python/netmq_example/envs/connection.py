@@ -2,7 +2,7 @@
 
     simulators = Simulators(launch=["Build/Game"])              without launch it waits for Play
     simulators.find(accept)                                     accept(hello) raises MessageError to refuse a simulator
-    state = simulators.connection.ask(Record(ASKS, 0, …))       the answer: a Record, to a Message a Message; or Lost
+    answer = simulators.ask(Record(ASKS, 0, sections))          to a Record a Record, to a Message a Message; or Lost
     simulators.close()                                          ends what was launched, and all that it has started
 
 Each request has an id that counts. One that stays without an answer is sent again with the same id, and the simulator
@@ -12,6 +12,7 @@ A mistake in what is given is a ValueError, TypeError or FileNotFoundError, a po
 It needs only pyzmq.
 """
 
+import itertools
 import os
 import subprocess
 import time
@@ -153,7 +154,7 @@ class Connection(OneProcess):
 def name_of(request: Any) -> str:
     """As a person calls it."""
     if isinstance(request, Record):
-        return "step" if records.STEP in request.flags else "reset"
+        return "step" if request.has(records.STEP) or request.has(records.LAST) else "reset"
     return str(request.kind)
 
 
@@ -168,8 +169,9 @@ def checked(request: Any, answer: Any) -> Any:
     if isinstance(request, Record):
         if not isinstance(answer, Record):
             raise MessageError("wrong-kind", f"{answer.kind!a:.40} is no answer to {name_of(request)}")
-        if len(answer.flags) != len(request.flags):
-            raise MessageError("wrong-areas", f"an answer for {len(answer.flags)}, but {len(request.flags)} were asked")
+        for asked, told in itertools.zip_longest(request.sections, answer.sections[: len(request.sections)]):
+            if told is None or told.kind != asked.kind or len(told.marks) != len(asked.marks) or told.who:
+                raise MessageError("wrong-agents", "the answer is not of those that were asked")
     elif not isinstance(answer, Message) or answer.kind != ANSWERS.get(request.kind, answer.kind):
         raise MessageError("wrong-kind", f"{getattr(answer, 'kind', 0)!a:.40} is no answer to {request.kind}")
     return answer
@@ -178,8 +180,9 @@ def checked(request: Any, answer: Any) -> Any:
 class Simulators:
     """`launch` is the path of a build, with its ending or without, or a list: a program and its first words.
 
-    `--endpoint` follows them. `wait` is how many seconds for a simulator, `timeout` how many for each answer. A socket
-    that is given is not closed.
+    `--endpoint` follows them. `wait` is how many seconds for a simulator, `timeout` how many for each answer. `context`
+    is the caller's own. `fleet` is lesson 17's FleetSocket, in place of an endpoint, and `socket` a bound ROUTER socket:
+    neither is closed.
     """
 
     def __init__(
@@ -188,19 +191,28 @@ class Simulators:
         launch: str | os.PathLike[str] | Sequence[str] | None = None,
         wait: float = 60,
         timeout: float = 10,
+        context: zmq.Context[Any] | None = None,
+        fleet: Any = None,
         socket: zmq.Socket[bytes] | None = None,
-        default: str = ENDPOINT,
         **unknown: object,
     ) -> None:
         no_others(unknown)
+        check.instance("context", context, zmq.Context, type(None))
+        if fleet is not None and not isinstance(fleet, OtherSide):
+            raise TypeError(f"fleet takes lesson 17's FleetSocket, not {fleet!r:.40}")
+        self.fleet = fleet is not None
+        socket = fleet if self.fleet else socket
         self.wait = check.seconds("wait", wait)
         timeout = check.seconds("timeout", timeout)
         self.launch = program(launch)
         self.owns_socket = socket is None
+        self.owns_context = context is None
         if socket is None:
             # Each one that launches has a port of its own: several environments at once are no trouble.
-            socket = bound(endpoint if endpoint != "" else FREE_PORT if self.launch else default, default)
+            socket = bound(endpoint if endpoint != "" else FREE_PORT if self.launch else ENDPOINT, context)
         self.connection = Connection(socket, timeout)
+        # Lesson 13's side channels stand in front of it.
+        self.ask: Callable[[Any], Any] = self.connection.ask
         self.process: subprocess.Popen[bytes] | None = None
 
     def start(self, environment: object, accept: Accept) -> Callable[[], object]:
@@ -262,13 +274,15 @@ class Simulators:
             self.connection.closed = True
             self.end()
             if self.owns_socket:
-                self.connection.socket.context.destroy()
+                self.connection.socket.close()
+                if self.owns_context:
+                    self.connection.socket.context.destroy()
 
 
-def bound(endpoint: str, example: str = ENDPOINT) -> zmq.Socket[bytes]:
-    """A ROUTER socket that listens there, in a context of its own."""
-    check.endpoint(endpoint, example, lowest_port=0)
-    context = zmq.Context()
+def bound(endpoint: str, given: zmq.Context[Any] | None = None) -> zmq.Socket[bytes]:
+    """A ROUTER socket that listens there, in a context of its own unless one is given."""
+    check.endpoint(endpoint, ENDPOINT, lowest_port=0)
+    context = given or zmq.Context()
     socket = context.socket(zmq.ROUTER)
     limit(socket, 4 * LIMIT)
     socket.sndhwm = 10
@@ -278,7 +292,9 @@ def bound(endpoint: str, example: str = ENDPOINT) -> zmq.Socket[bytes]:
     try:
         socket.bind(endpoint)
     except zmq.ZMQError as error:
-        context.destroy()
+        socket.close()
+        if not given:
+            context.destroy()
         cure = f"close() the environment that has it, or give this one its own endpoint, such as {FREE_PORT}"
         raise cannot_listen(endpoint, error, cure) from None
     return socket

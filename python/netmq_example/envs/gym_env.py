@@ -1,116 +1,198 @@
-"""An environment of one agent: Python decides when time passes in a world that a simulator has, such as a Unity scene.
+"""One agent of a scene for Gymnasium: Python decides when time passes in a world that a simulator has.
 
     import gymnasium
     import netmq_example.envs
 
     env = gymnasium.make("NetMQExample/CartPole-v0")      prints: waiting for a simulator on tcp://…: press Play
     env = gymnasium.make("NetMQExample/CartPole-v0", launch=["Build/CartPole.exe"])         starts it by itself
-    gymnasium.register("My/Ball-v0", "netmq_example.envs:ZmqEnv", kwargs={"name": "Ball"})
+    gymnasium.register("My/Ball-v0", "netmq_example.envs:UnityGymEnv", kwargs={"env_name": "Ball"})
+    env = UnityGymEnv("Coins", observation_space, action_space)             where C# has attributes alone
 
-The spaces come from the simulator's hello, see spaces.py, and any of Gymnasium's will do. A simulator that is lost ends
-the episode: `truncated` is true, and `info["lost"]` says why; the next reset waits for another one, or launches it.
-The simulator gets `options` as they are; `options["state"]`, an array, is the first state of its world. A picture is
-uint8 [height, width, 3]. An environment belongs to one thread. A copy of it is a new environment.
+The spaces come with the simulator's hello, or are given here, and any of Gymnasium's will do. `options` go to the
+scene as they are; `options["state"]`, numbers, is where an agent begins that has a StateSize.
+
+`info` is {"env": [...], "agent": [...]}, what the scene and the agent have sent since the last answer, and what the
+agent has said by name. A simulator that is lost, or an agent that leaves, ends the episode: `truncated` is true, and
+`info["lost"]` says why; the next reset waits for another simulator, or launches it. An environment belongs to one
+thread. A copy of it is a new environment.
 
 ValueError says what cannot be sent, MessageError what a simulator refuses or answers wrongly, TimeoutError that none
-came. The C# side is Simulator.cs.
+came. In C# the other side is SceneSimulator.cs. It needs gymnasium and numpy.
 """
 
-import contextlib
+import math
+import os
+import struct
+from collections.abc import Sequence
 from typing import Any
 
 import gymnasium
+from gymnasium.spaces import Space
 
 from netmq_example import arguments
-from netmq_example.envs.common import (
-    MadeAnew,
-    frames_per_second,
-    gives_pictures,
-    hello_from,
-    info_in,
-    known_render_mode,
-    no_picture,
-    observation_and_action,
-    options_as_bytes,
-    picture,
-    same,
-)
-from netmq_example.envs.connection import Simulators
+from netmq_example.envs.actions import Actions
+from netmq_example.envs.common import MadeAnew
+from netmq_example.envs.infos import info_in, scene_infos
+from netmq_example.envs.kinds import Kind, SceneHello, agreed
+from netmq_example.envs.merge import empty
+from netmq_example.envs.observations import Sights, observations_of
+from netmq_example.envs.remote import GONE, Remote, is_seed, refused_reset
+from netmq_example.envs.rendering import MODES, Rendered, check_words
 from netmq_example.errors import Lost
-from netmq_example.messages import Message, MessageError
-from netmq_example.wire.records import ABSENT, ASKS, RESET, STEP, TERMINATED, TRUNCATED, Record, rewards_in, seeds
-from netmq_example.wire.space_bytes import Bytes
-from netmq_example.wire.spaces import shown
+from netmq_example.messages import EXACT, MessageError
+from netmq_example.wire.records import ABSENT, RESET, SEEN, STEP, TERMINATED, TRUNCATED, Record, Section, seeds
 
-NO_SEED = seeds([0])
+REWARD = struct.Struct("<d")
 
 
-class ZmqEnv(MadeAnew, gymnasium.Env[Any, Any]):
-    """The world of one simulator. `where` is what Simulators takes: endpoint, launch, wait, timeout, socket."""
+class UnityGymEnv(MadeAnew, Rendered, gymnasium.Env[Any, Any]):
+    """`where` is what Simulators takes: endpoint, launch, wait, timeout, context, fleet.
 
-    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 50}  # noqa: RUF012, Gymnasium's own way.
+    `agent_name` is needed where the scene has several agents. Pictures and films, and what `views`, `render_fps` and
+    `view_endpoint` are for, are in rendering.py.
+    """
 
-    def __init__(self, name: str, render_mode: str | None = None, **where: Any) -> None:
-        self.name = arguments.text("name", name)
-        self.render_mode = known_render_mode(render_mode)
-        self.spaces: list[Any] | None = None
-        # The last observation, as bytes, and the last picture.
-        self.seen: Any = None
-        self.picture = no_picture()
-        self.simulators = Simulators(**where)
-        self.connection = self.simulators.connection
-        self.close_once = self.simulators.start(self, self.accept)
+    metadata: dict[str, Any] = {"render_modes": MODES, "render_fps": 50}  # noqa: RUF012, Gymnasium's own way.
 
-    def accept(self, hello: Message) -> None:
-        """Take the spaces from a simulator's hello; MessageError says why it is refused."""
-        self.spaces = same(observation_and_action(hello_from(hello, self.name)), self.spaces)
-        self.observation_space, self.action_space = self.spaces
-        self.observations, self.actions = map(Bytes, self.spaces)
-        self.metadata = {**self.metadata, "render_fps": frames_per_second(hello)}
+    def __init__(
+        self,
+        env_name: str,
+        observation_space: Space[Any] | None = None,
+        action_space: Space[Any] | None = None,
+        agent_name: str | None = None,
+        file_name: str | os.PathLike[str] | None = None,
+        render_mode: str | None = None,
+        views: Sequence[str] = ("",),
+        render_fps: float | None = None,
+        view_endpoint: str = "",
+        **where: Any,
+    ) -> None:
+        check_words(render_mode, views, render_fps)
+        check_space(observation_space, "observation")
+        check_space(action_space, "action")
+        self.given = observation_space, action_space
+        self.agent_name = None if agent_name is None else arguments.text("agent_name", agent_name)
+        self.render_fps = render_fps
+        self.kind: Kind | None = None
+        # Whether an episode is under way.
+        self.begun = False
+        self.warned = False
+        self.remote = Remote(env_name, self.use, file_name, **where)
+        self.simulators = self.remote.simulators
+        self.show(self.remote, render_mode, views, view_endpoint)
+        # Also when nobody calls close: at garbage collection, and at the end of the program. And only once.
+        self.close_once = self.started(self.remote)
+
+    def use(self, scene: SceneHello) -> None:
+        if self.kind:
+            return
+        if self.agent_name is None and len(scene.agents) > 1:
+            raise ValueError(f"{scene.shown()}: say which with agent_name, or take UnityVectorEnv or UnityParallelEnv")
+        name = scene.agents[0] if self.agent_name is None else self.agent_name
+        kind = scene.kind_of(name)
+        self.observation_space = agreed(kind, "observation", self.given[0])
+        self.action_space = agreed(kind, "action", self.given[1])
+        self.seen = observations_of(self.observation_space, kind)
+        self.actions = Actions(self.action_space, kind, checks=self.simulators.fleet)
+        self.agent_name = name
+        self.row = kind.agents.index(name)
+        # What a step says of the others: nothing.
+        self.zeros = bytes(8 * len(kind.agents))
+        self.marks = {order: marks_of(len(kind.agents), self.row, order) for order in (STEP, RESET)}
+        self.metadata = {**self.metadata, "render_fps": self.render_fps or scene.frames_per_second(kind)}
+        self.kind = kind
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
-        super().reset(seed=seed)
-        # The simulator gets a seed each time, so that an episode never depends on the one before.
-        seed = int(self.np_random.integers(2**53)) if seed is None else seed
-        request = Record(ASKS, 0, seeds([seed]), [RESET], [b""], options=options_as_bytes(options))
-        try:
-            state = self.simulators.begin(self.accept, lambda _: self.connection.ask(request))
-        except MessageError:
-            # A step after a refused reset would step half a world.
-            self.seen = None
-            raise
-        return self.look(state), info_in(state.infos[0])
+        if seed is not None and not is_seed(seed):
+            raise ValueError(f"a seed is a whole number from 0 to 2**53 - 1, not {seed!r:.40}")
+        super().reset(seed=None if seed is None else int(seed))
+        # The scene gets a seed each time, so that an episode never depends on the one before.
+        seed = int(self.np_random.integers(EXACT)) if seed is None else int(seed)
+        with refused_reset(self):
+            answer = self.remote.begin(lambda _: [self.reset_section(seed)], options or {})
+            section = answer.sections[0]
+            if section.marks[self.row] & ABSENT:
+                raise MessageError("unknown-agent", f"agent {self.agent_name} is not in the scene now")
+            self.seen.take(section, begins={self.row})
+            seen = self.seen.one(self.row)
+        if isinstance(self.seen, Sights) and not self.warned:
+            self.warned = True
+            self.seen.warn(self.row)
+        self.begun = True
+        info = self.info(answer)
+        self.filmed(begins=True)
+        return seen, info
+
+    def reset_section(self, seed: int) -> Section:
+        kind: Any = self.kind
+        numbers = seeds([seed + kind.first + row for row in range(len(kind.agents))])
+        return Section(kind.at, numbers, self.marks[RESET])
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        if self.seen is None:
+        if not self.begun:
             raise gymnasium.error.ResetNeeded("no episode is under way: call reset before step")
-        if action not in self.action_space:
-            raise ValueError(f"action {shown(action)} is not in {shown(self.action_space)}")
         try:
-            state = self.connection.ask(Record(ASKS, 0, NO_SEED, [STEP], [self.actions.write(action)]))
+            answer: Record = self.actions.asked(self.ask_step, self.action_space, action)
         except Lost as lost:
-            # The last observation stands for an unknown one. It is read again: its user may have changed it.
-            return self.observations.read(self.seen), 0.0, False, True, {"lost": str(lost)}
-        seen = self.look(state)
-        (reward,) = rewards_in(state)
-        ends = state.flags[0]
+            self.begun = False
+            # The last observation stands for an unknown one.
+            return self.seen.one(self.row), 0.0, False, True, {"env": [], "agent": [], "lost": str(lost)}
+        section = answer.sections[0]
+        mark = section.marks[self.row]
+        (reward,) = REWARD.unpack_from(section.numbers, 8 * self.row)
+        if not math.isfinite(reward):
+            raise MessageError("bad-reward", f"the reward is {reward}")
+        if mark & SEEN:
+            self.seen.take(section)
+        info = self.info(answer)
+        ends = mark & (TERMINATED | TRUNCATED)
+        if mark & ABSENT and not ends:
+            # An agent that was over by then has ended as it said; the episode of another one is cut.
+            ends = TRUNCATED
+            info["lost"] = f"agent {self.agent_name}: {GONE}"
         if ends:
-            # Steps beyond the end would be of no episode, and seldom in the space.
-            self.seen = None
-        return seen, reward, bool(ends & TERMINATED), bool(ends & (TRUNCATED | ABSENT)), info_in(state.infos[0])
+            # Steps beyond the end would be of no episode.
+            self.begun = False
+        seen = self.seen.one(self.row)
+        self.filmed(begins=False)
+        return seen, reward, bool(ends & TERMINATED), bool(ends & TRUNCATED), info
 
-    def look(self, state: Record) -> Any:
-        seen = self.observations.read(state.rows[0])
-        self.seen = state.rows[0]
-        return seen
+    def ask_step(self, action: Any) -> Record:
+        kind: Any = self.kind
+        section = Section(kind.at, self.zeros, self.marks[STEP])
+        self.actions.put(section, [action])
+        return self.remote.ask([section])
 
-    def render(self) -> Any:
-        if not gives_pictures(self.render_mode):
-            return None
-        # A film goes on when the simulator is lost, with the picture before; step says that it is.
-        with contextlib.suppress(Lost):
-            self.picture = picture(self.connection.ask(Message("render")).arrays)
-        return self.picture
+    def info(self, answer: Record) -> dict[str, Any]:
+        info: dict[str, Any] = {"env": scene_infos(answer.said) if answer.said else [], "agent": []}
+        section = answer.sections[0]
+        if section.table:
+            for row, data in section.each_info():
+                if row == self.row:
+                    info |= info_in(data)
+        return info
+
+    def own_picture(self, pictures: list[Any]) -> Any:
+        kind: Any = self.kind
+        return pictures[0] if len(pictures) == 1 else pictures[kind.first + self.row]
+
+    def send_info(self, info: Any, agent: str | None = None) -> None:
+        """To the scene itself, or to an agent: what a value is, trees.py says. `bytes` are C#'s `byte[]`."""
+        self.remote.send_info(info, agent or "")
 
     def close(self) -> None:
+        self.end_films()
         self.close_once()
+
+
+def marks_of(count: int, row: int, order: int) -> bytes:
+    """An order to one, and to the others none."""
+    return bytes(order if at == row else 0 for at in range(count))
+
+
+def check_space(space: Any, which: str) -> None:
+    """Refuse a space that has no place in a message, before the wait for a simulator."""
+    if space is not None:
+        if not isinstance(space, Space):
+            raise ValueError(f"{which}_space takes a space of Gymnasium, not {space!r:.40}")
+        empty(space, which)

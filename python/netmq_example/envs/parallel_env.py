@@ -1,219 +1,301 @@
-"""An environment of several agents: a PettingZoo ParallelEnv, and each step of all of them is one message.
+"""Several agents of a scene for PettingZoo: all at once, or one after the other.
 
-    from netmq_example.envs import ZmqParallelEnv
+    env = UnityParallelEnv("Pursuit")                                   waits for Play
+    env = UnityParallelEnv("Coins", observation_spaces={"car": …}, action_spaces={"car": …})
+    seen, infos = env.reset(seed=1)
+    seen, rewards, terminations, truncations, infos = env.step({"car": …})
 
-    env = ZmqParallelEnv("Pursuit")                            waits for a simulator on tcp://127.0.0.1:5560
-    env = ZmqParallelEnv("Pursuit", launch="Build/Pursuit")                 starts the game by its path
+    env = UnityAECEnv("Pursuit")                                        one after the other, as env.agent_iter() says
 
-An agent that ends leaves `agents`. A simulator that is lost ends the episode of all: they are truncated, and each one's
-info has `lost`; the next reset waits for another one. Each one's info has the game's infos as `told`: a list
-for each agent, those of the environment as `env`. `send_info` is the other way, at any time. With
-`real_time=True` the world goes on while Python thinks, and a step waits for the next tick. The C# side is
-AgentSimulator.cs.
-It needs pettingzoo.
+`possible_agents` are all that the scene has room for, or those whose spaces are given. Who ends or leaves is in
+`agents` no more; who comes is there from that step on, and was seen in it. What the scene says is in each one's
+`infos[agent]["env"]`. With `real_time=True` the world goes on while Python thinks, and a step waits for the next tick.
+Errors, and where the simulator comes from, are those of gym_env.py. It needs pettingzoo, gymnasium and numpy.
 """
 
-import contextlib
+import copy
+import os
 import time
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from gymnasium.spaces import Space
 from gymnasium.utils import seeding
 from pettingzoo import ParallelEnv
+from pettingzoo.utils import BaseWrapper, parallel_to_aec
 
-from netmq_example import arguments, check
-from netmq_example.envs.common import (
-    MadeAnew,
-    frames_per_second,
-    gives_pictures,
-    hello_from,
-    info_in,
-    known_render_mode,
-    no_picture,
-    observation_and_action,
-    options_as_bytes,
-    picture,
-    same,
-)
-from netmq_example.envs.connection import Simulators
+from netmq_example import arguments
+from netmq_example.envs.actions import Actions
+from netmq_example.envs.common import MadeAnew
+from netmq_example.envs.gym_env import check_space
+from netmq_example.envs.infos import info_in, scene_infos
+from netmq_example.envs.kinds import Kind, SceneHello, agreed
+from netmq_example.envs.observations import Rows, Sights, observations_of
+from netmq_example.envs.remote import GONE, Remote, is_seed, refused_reset
+from netmq_example.envs.rendering import MODES, Rendered, check_words
 from netmq_example.errors import Lost
-from netmq_example.messages import Message, MessageError, take
-from netmq_example.wire import trees
-from netmq_example.wire.records import ASKS, NOTHING, RESET, STEP, TERMINATED, TRUNCATED, Record, rewards_in, seeds
-from netmq_example.wire.space_bytes import Bytes
-from netmq_example.wire.spaces import shown
+from netmq_example.messages import EXACT, MessageError
+from netmq_example.wire.records import (
+    ABSENT,
+    NEW,
+    NOTHING,
+    RESET,
+    SEEN,
+    STEP,
+    TERMINATED,
+    TRUNCATED,
+    Record,
+    Section,
+    rewards_in,
+    seeds,
+)
 
-ENDPOINT = "tcp://127.0.0.1:5560"
-# Bytes of an info.
-LONGEST_INFO = 12_000
-
-Spaces = dict[str, list[Space[Any]]]
-
-
-class RemoteAgents:
-    """The agents as messages: their spaces, and what a state has of each.
-
-    `where` is what Simulators takes: endpoint, launch, wait, timeout, socket.
-    """
-
-    def __init__(self, name: str, **where: Any) -> None:
-        self.name = arguments.text("name", name)
-        self.fps = 0
-        self.dt = 0.0
-        self.spaces: Spaces = {}
-        self.bytes: dict[str, list[Bytes]] = {}
-        # Each agent's last observation, as bytes.
-        self.last: dict[str, Any] = {}
-        self.simulators = Simulators(default=ENDPOINT, **where)
-        self.ask = self.simulators.connection.ask
-
-    def accept(self, hello: Message) -> None:
-        spaces: Spaces = {}
-        for pair in take(hello_from(hello, self.name), "agents", list):
-            agent, described = pair if type(pair) is list and len(pair) == 2 else (None, None)
-            if not isinstance(agent, str) or agent in ("", "env", *spaces):
-                raise MessageError("bad-agents", f"{agent!a:.40} is another agent, or stands for the environment")
-            spaces[agent] = observation_and_action(described)
-        if not spaces:
-            raise MessageError("bad-agents", f"{self.name} has no agents")
-        self.fps = frames_per_second(hello)
-        self.dt = take(hello.values, "dt", float)
-        self.spaces = same(spaces, self.spaces)
-        self.bytes = {agent: [Bytes(space) for space in both] for agent, both in self.spaces.items()}
-
-    def request(self, order: int, rows: dict[str, bytes], seed: int = 0, options: bytes = b"") -> Record:
-        """For those agents that have a row; the others have no part in it."""
-        orders = [order if agent in rows else NOTHING for agent in self.spaces]
-        each = [rows.get(agent, b"") for agent in self.spaces]
-        return Record(ASKS, 0, seeds([seed] * len(orders)), orders, each, options=options)
-
-    def read(self, state: Record, living: list[str]) -> tuple[dict[str, Any], ...]:
-        """Observations, rewards, terminated, truncated and infos, each by agent."""
-        at = {agent: number for number, agent in enumerate(self.spaces) if agent in living}
-        rewards = rewards_in(state)
-        last = {agent: state.rows[number] for agent, number in at.items()}
-        seen = self.seen(last)
-        game_infos = infos_in(state.options)
-        infos = {}
-        for agent, number in at.items():
-            info = info_in(state.infos[number])
-            if not info.keys().isdisjoint(("told", "lost")):
-                raise MessageError("bad-info", "these names are the environment's own: told, lost")
-            infos[agent] = {**info, "told": game_infos} if game_infos else info
-        self.last = last
-        ends = {agent: state.flags[number] for agent, number in at.items()}
-        return (
-            seen,
-            {agent: rewards[number] for agent, number in at.items()},
-            {agent: bool(end & TERMINATED) for agent, end in ends.items()},
-            {agent: bool(end & TRUNCATED) for agent, end in ends.items()},
-            infos,
-        )
-
-    def seen(self, rows: dict[str, Any]) -> dict[str, Any]:
-        return {agent: self.bytes[agent][0].read(row) for agent, row in rows.items()}
+Spaces = Mapping[str, Space[Any]]
+Outcome = tuple[Any, float, bool, bool, dict[str, Any]]
 
 
-def infos_in(data: Any) -> dict[str, list[Any]]:
-    """The game's infos since the last answer: a list for each agent, those of the environment as `env`."""
-    infos: dict[str, list[Any]] = {}
-    pairs = trees.read(data) if data else []
-    for pair in pairs if type(pairs) is list else [pairs]:
-        if type(pair) is not list or [type(part) for part in pair] != [str, dict]:
-            raise MessageError("bad-info", f"{pair!a:.40} is no agent and its info")
-        infos.setdefault(pair[0] or "env", []).append(pair[1])
-    return infos
+class Team:
+    """The agents of one kind that are asked for, by row."""
+
+    def __init__(self, kind: Kind, agents: dict[int, str], seen: Rows | Sights, actions: Actions) -> None:
+        self.kind = kind
+        self.agents = agents
+        self.seen = seen
+        self.actions = actions
 
 
-class ZmqParallelEnv(MadeAnew, ParallelEnv[str, Any, Any]):  # type: ignore[misc]
-    """The game of one simulator. `where` is what Simulators takes: endpoint, launch, wait, timeout, socket."""
+class UnityParallelEnv(MadeAnew, Rendered, ParallelEnv):  # type: ignore[misc, unused-ignore]
+    """Agents may end one after the other. `where` is what Simulators takes; films are in rendering.py."""
 
-    def __init__(self, name: str = "Pursuit", render_mode: Any = None, real_time: bool = False, **where: Any) -> None:
-        self.render_mode = known_render_mode(render_mode)
-        self.real_time = check.instance("real_time", real_time, bool)
+    def __init__(
+        self,
+        env_name: str,
+        observation_spaces: Spaces | None = None,
+        action_spaces: Spaces | None = None,
+        file_name: str | os.PathLike[str] | None = None,
+        render_mode: str | None = None,
+        views: Sequence[str] = ("",),
+        render_fps: float | None = None,
+        view_endpoint: str = "",
+        real_time: bool = False,
+        **where: Any,
+    ) -> None:
+        check_words(render_mode, views, render_fps)
+        self.given = given_spaces(observation_spaces, "observation"), given_spaces(action_spaces, "action")
+        self.observation_spaces: dict[str, Space[Any]] = {}
+        self.action_spaces: dict[str, Space[Any]] = {}
+        self.render_fps = render_fps
+        self.teams: list[Team] = []
         self.agents: list[str] = []
+        # Whether an episode is under way: all may be over in it, and one may come yet.
+        self.begun = False
+        self.warned = False
+        self.random, _ = seeding.np_random()
         # When the next tick is due, in real time.
         self.next = 0.0
-        self.picture = no_picture()
-        self.random, _ = seeding.np_random()
-        self.remote = RemoteAgents(name, **where)
-        self.close_once = self.remote.simulators.start(self, self.remote.accept)
-        self.possible_agents = list(self.remote.spaces)
-        self.observation_spaces = {agent: spaces[0] for agent, spaces in self.remote.spaces.items()}
-        self.action_spaces = {agent: spaces[1] for agent, spaces in self.remote.spaces.items()}
+        self.dt = 0.0
+        self.remote = Remote(env_name, self.use, file_name, real_time, **where)
+        self.simulators = self.remote.simulators
+        self.show(self.remote, render_mode, views, view_endpoint)
+        # Also when nobody calls close: at garbage collection, and at the end of the program. And only once.
+        self.close_once = self.started(self.remote)
+        self.possible_agents = [agent for team in self.teams for agent in team.agents.values()]
+
+    def use(self, scene: SceneHello) -> None:
+        if self.teams:
+            return
+        observations, actions = self.given
+        asked = list(dict.fromkeys([*(observations or {}), *(actions or {})])) or scene.agents
+        for agent in asked:
+            scene.kind_of(agent)
+        teams = []
+        for kind in scene.kinds:
+            agents = {row: agent for row, agent in enumerate(kind.agents) if agent in asked}
+            if not agents:
+                continue
+            for agent in agents.values():
+                # A sample from the space of one agent must not change the samples of another one.
+                for which, given, spaces in (
+                    ("observation", observations, self.observation_spaces),
+                    ("action", actions, self.action_spaces),
+                ):
+                    spaces[agent] = copy.deepcopy(agreed(kind, which, (given or {}).get(agent)))
+            first = next(iter(agents.values()))
+            seen = observations_of(self.observation_spaces[first], kind)
+            if isinstance(seen, Sights):
+                seen.use(agents, self.observation_spaces)
+            team_actions = Actions(self.action_spaces[first], kind, checks=self.simulators.fleet)
+            teams.append(Team(kind, agents, seen, team_actions))
+        slowest = max(team.kind.period for team in teams)
+        self.dt = scene.dt * slowest
         self.metadata = {
-            "name": f"NetMQExample/{name}-v0",
-            "render_modes": ["rgb_array"],
-            "render_fps": self.remote.fps,
+            "name": f"NetMQExample/{scene.name}-v0",
+            "render_modes": MODES,
+            "render_fps": self.render_fps or scene.frames_per_second(teams[0].kind),
             "is_parallelizable": True,
         }
+        self.teams = teams
 
+    # The same object each time: a caller that samples has seeded it.
     def observation_space(self, agent: str) -> Space[Any]:
         return self.observation_spaces[agent]
 
     def action_space(self, agent: str) -> Space[Any]:
         return self.action_spaces[agent]
 
-    def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, Any]:
+    def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict[str, Any], ...]:
+        """Observations and infos."""
         if seed is not None:
-            self.random, _ = seeding.np_random(seed)
-        # The simulator gets a seed each time, so that an episode never depends on the one before.
-        seed = int(self.random.integers(2**53)) if seed is None else seed
-        data = options_as_bytes(options, real_time=self.real_time)
-        request = self.remote.request(RESET, dict.fromkeys(self.possible_agents, b""), seed, data)
-        state = self.remote.simulators.begin(self.remote.accept, lambda _: self.remote.ask(request))
-        self.next = time.monotonic() + self.remote.dt
-        self.agents = self.possible_agents[:]
-        seen, *_, infos = self.remote.read(state, self.agents)
-        return seen, infos
+            if not is_seed(seed):
+                raise ValueError(f"a seed is a whole number from 0 to 2**53 - 1, not {seed!r:.40}")
+            self.random, _ = seeding.np_random(int(seed))
+        # The scene gets a seed each time, so that an episode never depends on the one before.
+        seed = int(self.random.integers(EXACT)) if seed is None else int(seed)
+        with refused_reset(self):
+            answer = self.remote.begin(lambda _: [reset_section(team, seed) for team in self.teams], options or {})
+            outcomes = self.outcomes(answer, begins=True)
+        self.next = time.monotonic() + self.dt
+        self.begun = True
+        self.agents = list(outcomes)
+        self.warn()
+        self.filmed(begins=True)
+        return by_agent(outcomes, 0), by_agent(outcomes, 4)
 
-    def step(self, actions: dict[str, Any]) -> tuple[Any, Any, Any, Any, Any]:
-        if not isinstance(actions, dict) or actions.keys() != set(self.agents):
+    def step(self, actions: dict[str, Any]) -> tuple[dict[str, Any], ...]:
+        """Observations, rewards, terminations, truncations and infos, also of those that end with this step."""
+        if not isinstance(actions, dict) or not {*self.agents} <= actions.keys() <= {*self.possible_agents}:
             raise ValueError(f"actions {actions!r:.200}, but those that live are {self.agents}")
-        if not actions:
+        if not self.agents or not self.begun:
             # Wrappers step once more when all are over; PettingZoo's own environments have nothing to say then.
             return {}, {}, {}, {}, {}
-        for agent, action in actions.items():
-            if action not in self.action_space(agent):
-                raise ValueError(f"action {shown(action)} of {agent} is not in {shown(self.action_space(agent))}")
-        if self.real_time:
+        if self.remote.bits:
             time.sleep(max(0.0, self.next - time.monotonic()))
-            self.next = time.monotonic() + self.remote.dt
-        # One message for all of them.
-        rows = {agent: self.remote.bytes[agent][1].write(action) for agent, action in actions.items()}
+            self.next = time.monotonic() + self.dt
         try:
-            state = self.remote.ask(self.remote.request(STEP, rows))
-            seen, rewards, terminated, truncated, infos = self.remote.read(state, self.agents)
+            # One message for all of them.
+            outcomes = self.outcomes(self.ask_step(actions), begins=False)
         except Lost as lost:
-            # The last observations stand for unknown ones. They are read again: their user may have changed them.
-            seen = self.remote.seen({agent: self.remote.last[agent] for agent in self.agents})
-            rewards = dict.fromkeys(self.agents, 0.0)
-            terminated = dict.fromkeys(self.agents, False)
-            truncated = dict.fromkeys(self.agents, True)
-            infos = {agent: {"lost": str(lost)} for agent in self.agents}
-        self.agents = [agent for agent in self.agents if not terminated[agent] and not truncated[agent]]
-        return seen, rewards, terminated, truncated, infos
+            outcomes = self.lost(str(lost))
+        ended = {agent for agent, outcome in outcomes.items() if outcome[2] or outcome[3]}
+        self.agents = [agent for agent in self.possible_agents if agent in outcomes and agent not in ended]
+        self.filmed(begins=False)
+        return tuple(by_agent(outcomes, part) for part in range(5))
 
-    def send_info(self, info: dict[str, Any], agent: str = "") -> dict[str, list[Any]]:
-        """Send an info to an agent, or to the environment; those of the game come back."""
-        if agent not in ("", *self.possible_agents):
-            raise ValueError(f"agent {agent!r:.40} is none of {self.possible_agents}, nor the environment, ''")
+    def ask_step(self, actions: dict[str, Any]) -> Record:
+        living = {*self.agents}
+        sections = []
+        for team in self.teams:
+            count = len(team.kind.agents)
+            stepping = {row: agent for row, agent in team.agents.items() if agent in living}
+            marks = bytes(STEP if row in stepping else NOTHING for row in range(count))
+            section = Section(team.kind.at, bytes(8 * count), marks)
+            team.actions.put(section, [self.checked(team, agent, actions[agent]) for agent in stepping.values()])
+            sections.append(section)
+        return self.remote.ask(sections)
+
+    def checked(self, team: Team, agent: str, action: Any) -> Any:
+        """With several agents each action is looked at here: the error has to say whose it is."""
         try:
-            data = trees.write([agent, check.instance("info", info, dict)])
-        except MessageError as error:
-            raise ValueError(f"the info cannot be sent: {error}") from None
-        if len(data) > LONGEST_INFO:
-            raise ValueError(f"an info has at most {LONGEST_INFO} bytes, not {len(data)}")
-        answer = self.remote.ask(Message("info", 0, {}, [trees.array_of(data)]))
-        return infos_in(answer.arrays[0].data if answer.arrays else b"")
+            return team.actions.checked(self.action_spaces[agent], action)
+        except ValueError as error:
+            raise ValueError(f"{error}, agent {agent}") from None
 
-    def render(self) -> Any:
-        if not gives_pictures(self.render_mode):
-            return None
-        # A film goes on when the simulator is lost, with the picture before; step says that it is.
-        with contextlib.suppress(Lost):
-            self.picture = picture(self.remote.ask(Message("render")).arrays)
-        return self.picture
+    def outcomes(self, answer: Record, begins: bool) -> dict[str, Outcome]:
+        """Of those that were asked, and of those that have come."""
+        everyone = {"env": scene_infos(answer.said)} if answer.said else {}
+        living = {*self.agents}
+        found: dict[str, Outcome] = {}
+        for team, section in zip(self.teams, answer.sections, strict=True):
+            rewards = rewards_in(section)
+            infos = {row: info_in(data) for row, data in section.each_info()} if section.table else {}
+            new = {row for row, mark in enumerate(section.marks) if begins or mark & NEW}
+            team.seen.take(section, new)
+            for row, agent in team.agents.items():
+                mark = section.marks[row]
+                if not mark & SEEN and not (mark & ABSENT and agent in living and not begins):
+                    continue
+                info = {**everyone, **infos.get(row, {})}
+                ends = mark & (TERMINATED | TRUNCATED)
+                if mark & ABSENT and not ends:
+                    ends = TRUNCATED
+                    info["lost"] = GONE
+                seen = team.seen.one(row)
+                found[agent] = seen, rewards[row], bool(ends & TERMINATED), bool(ends & TRUNCATED), info
+        if begins and not found:
+            raise MessageError("no-agents", "none of the agents is in the scene now")
+        return found
+
+    def lost(self, why: str) -> dict[str, Outcome]:
+        """The last observations stand for unknown ones."""
+        rows = [(team, row, agent) for team in self.teams for row, agent in team.agents.items()]
+        return {
+            agent: (team.seen.one(row), 0.0, False, True, {"lost": why})
+            for team, row, agent in rows
+            if agent in self.agents
+        }
+
+    def warn(self) -> None:
+        """Once, of what nobody has written by then."""
+        if self.warned:
+            return
+        self.warned = True
+        for team in self.teams:
+            for row, agent in team.agents.items():
+                if isinstance(team.seen, Sights) and agent in self.agents:
+                    team.seen.warn(row)
+
+    def own_picture(self, pictures: list[Any]) -> Any:
+        return pictures[0]
+
+    def send_info(self, info: Any, agent: str = "") -> None:
+        """To an agent, or to the scene itself, which is ""."""
+        self.remote.send_info(info, agent)
 
     def close(self) -> None:
+        self.end_films()
         self.close_once()
+
+
+class UnityAECEnv(MadeAnew, BaseWrapper):  # type: ignore[misc, unused-ignore]
+    """One after the other: it takes what UnityParallelEnv takes. Nothing moves until the last agent has chosen."""
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(parallel_to_aec(UnityParallelEnv(*args, **kwargs)))
+
+    def send_info(self, info: Any, agent: str = "") -> None:
+        """To an agent, or to the scene itself, which is ""."""
+        self.unwrapped.send_info(info, agent)
+
+    def begin_render(self, screen_width: int = -1, screen_height: int = -1, fullscreen: bool = False) -> None:
+        """As in rendering.py."""
+        self.unwrapped.begin_render(screen_width, screen_height, fullscreen)
+
+    def end_render(self) -> None:
+        """As in rendering.py."""
+        self.unwrapped.end_render()
+
+    def render_all(self, video_paths: Any = None) -> dict[str, Any]:
+        """As in rendering.py."""
+        films: dict[str, Any] = self.unwrapped.render_all(video_paths)
+        return films
+
+
+def given_spaces(spaces: Any, which: str) -> dict[str, Space[Any]] | None:
+    if spaces is None:
+        return None
+    if not isinstance(spaces, Mapping) or not spaces:
+        raise ValueError(f"{which}_spaces take a dict of agents and spaces, not {spaces!r:.40}")
+    for name, space in spaces.items():
+        arguments.text("the name of an agent", name)
+        check_space(space, which)
+    return dict(spaces)
+
+
+def reset_section(team: Team, seed: int) -> Section:
+    count = len(team.kind.agents)
+    marks = bytes(RESET if row in team.agents else NOTHING for row in range(count))
+    return Section(team.kind.at, seeds([seed + team.kind.first + row for row in range(count)]), marks)
+
+
+def by_agent(outcomes: dict[str, Outcome], part: int) -> dict[str, Any]:
+    return {agent: outcome[part] for agent, outcome in outcomes.items()}

@@ -1,10 +1,12 @@
 """Values from a scene become an observation by a plan, which is made once for each form of them.
 
     sight = Sight("car", space)
-    seen = sight.read(row)              fresh each time; MessageError says what does not fit, and where
-    seen = sight.again()                the same once more: its user may have changed what he got
+    sight.read(form, numbers)           MessageError says what does not fit, and where
+    seen = sight.again()                what is seen, fresh each time: its user may change what he gets
+    table = table_of("car", space, form)                    None, if that takes more than columns
+    batch = table.read(numbers of many rows, how many)
 
-A row has locators and what stands there now (trees.py, write_pairs). Its form, which
+A row has locators and what stands there now (trees.py, write_pairs); `@` is the agent whose row it is. Its form, which
 is the row without its numbers, stays the same from step to step. So it is looked at once where each number goes, and
 whether it fits its space there; a step then copies numbers. What is more than a key and its value, such as a place in
 an array or one more item of a sequence, is merged at each step (merge.py).
@@ -29,10 +31,12 @@ from netmq_example.locator import Locator, LocatorError, Mapping, Path, parse, q
 from netmq_example.messages import DTYPES, MessageError
 from netmq_example.wire import trees
 from netmq_example.wire.space_bytes import codec_of
+from netmq_example.wire.spaces import Codec
 from netmq_example.wire.trees import REASONS, Reader
 
 # Each is read once. A scene has few; one that sends ever new ones fills no memory.
-known: Callable[[str], Locator] = functools.lru_cache(10_000)(parse)
+scope_of: Callable[[str], Locator] = functools.lru_cache(10_000)(lambda name: parse(f"{quoted(name)}@"))
+known: Callable[[str, str], Locator] = functools.lru_cache(10_000)(lambda text, name: parse(text, "", scope_of(name)))
 
 
 class Sight:
@@ -49,24 +53,27 @@ class Sight:
         """An episode begins: nothing was seen yet."""
         # The observation that was given out last is made of these: of a plan and its numbers, or of what was merged.
         self.plan: Plan | None = None
+        self.form = b""
         self.numbers: Any = b""
+        # What was read last, until somebody takes it.
+        self.fresh: Any = None
         self.old = fitted(self.space, empty(self.space, self.where), self.where)
 
-    def read(self, row: Any) -> Any:
-        form, numbers = trees.parted(row)
+    def read(self, form: bytes, numbers: Any) -> None:
+        self.fresh = None
         plan = self.plan_for(form)
+        self.form = form
         if plan:
             if plan is not self.plan and plan.stays:
                 self.old = self.again()
             # What does not fit may still be merged, such as a number into a text; or else that says what is wrong.
             with contextlib.suppress(MessageError, *REASONS):
-                seen = plan.read(numbers, self.old)
+                self.fresh = plan.read(numbers, self.old)
                 self.plan = plan
                 self.numbers = numbers
-                return seen
+                return
         self.old = fitted(self.space, self.merged(form, numbers), self.where)
         self.plan = None
-        return self.again()
 
     def plan_for(self, form: bytes) -> "Plan | None":
         if form in self.plans:
@@ -82,6 +89,9 @@ class Sight:
         return plan
 
     def again(self) -> Any:
+        if self.fresh is not None:
+            seen, self.fresh = self.fresh, None
+            return seen
         return self.plan.read(self.numbers, self.old) if self.plan else fitted(self.space, self.old, self.where)
 
     def merged(self, form: bytes, numbers: Any) -> Any:
@@ -105,10 +115,12 @@ class Sight:
             raise MessageError("bad-observation", "more follows what was seen")
         return observations[self.name]
 
-    def warn(self, row: Any) -> None:
-        """Names what nothing of this row writes. It may come later, from a sensor that is disabled now."""
-        form, _ = trees.parted(row)
-        paths = [one.destination for text, _ in trees.pairs_of(form) for one in mappings_for(self.name, text)]
+    def warn(self) -> None:
+        """Name what nothing of the last row writes. It may come later, from a sensor that is disabled now."""
+        if not self.form:
+            return
+        pairs = trees.pairs_of(self.form)
+        paths = [one.destination for text, _ in pairs for one in mappings_for(self.name, text)]
         for path in unwritten(self.space, paths):
             place = f"{self.where}{spelled(path)}"
             warnings.warn(f"nothing writes {place}: is there such a member in C#? It stays as it is", stacklevel=2)
@@ -136,7 +148,7 @@ def has_none(places: Any) -> bool:
 
 def put(places: Any, values: list[Any], old: Any) -> Any:
     if isinstance(places, dict):
-        return {key: put(place, values, old[key]) for key, place in places.items()}
+        return {key: put(place, values, None if old is None else old[key]) for key, place in places.items()}
     return copy.deepcopy(old) if places is None else values[places]
 
 
@@ -161,12 +173,49 @@ def planned(name: str, space: Space[Any], form: bytes) -> Plan | None:
 def mappings_for(name: str, text: str) -> list[Mapping]:
     """Where a value goes in the observation of this agent."""
     try:
-        mappings = known(text).mappings
+        mappings = known(text, name).mappings
     except LocatorError as error:
         raise MessageError("bad-observation", f"{text[:100]}: {error}") from None
     if not all(one.absolute for one in mappings):
         raise MessageError("bad-observation", f"{text[:100]}: it names no agent")
     return [one for one in mappings if one.names(name)]
+
+
+class Table:
+    """Many rows of one form, whose values go to keys: each key is a column of their bytes."""
+
+    def __init__(self, size: int, places: Any, columns: list[tuple[Codec, int]]) -> None:
+        self.size = size
+        self.places = places
+        self.columns = columns
+
+    def read(self, values: Any, count: int) -> Any:
+        """A batch. MessageError: it is not in the space; the sight of each agent says where."""
+        if len(values) != count * self.size:
+            raise MessageError("not-in-space", f"{len(values)} bytes are not {count} times {self.size}")
+        block = np.frombuffer(values, np.uint8).reshape(count, self.size)
+        return put(self.places, [codec.read_block(block, at) for codec, at in self.columns], None)
+
+
+def table_of(name: str, space: Space[Any], form: bytes) -> Table | None:
+    """None where rows take more than columns."""
+    columns: list[tuple[Codec, int]] = []
+    paths: dict[Path, int] = {}
+    at = 0
+    for text, part in trees.pairs_of(form):
+        mappings = mappings_for(name, text)
+        path = mappings[0].destination if len(mappings) == 1 else (0,)
+        target = at_keys(space, path)
+        if target is None or mappings[0].source or overlaps(path, paths) or part != form_in(target):
+            return None
+        codec = codec_of(target)
+        if not codec.size:
+            return None
+        paths[path] = len(columns)
+        columns.append((codec, at))
+        at += codec.size
+    places = places_of(space, paths, ())
+    return None if has_none(places) or not columns else Table(at, places, columns)
 
 
 def unwritten(space: Space[Any], paths: list[Path], at: Path = ()) -> Iterator[Path]:

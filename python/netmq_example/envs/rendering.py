@@ -1,5 +1,7 @@
-"""The views of an environment of lesson 11 become pictures and films: they come from lesson 12's ViewRecorder.
+"""The pictures and films of an environment: a scene draws itself (Render in C#), or lesson 12's ViewRecorder does.
 
+    env = gymnasium.make("NetMQExample/Unity-v0", …, render_mode="rgb_array")
+    env.render()                                            what the scene or its agent draws, else its first view
     env = gymnasium.make("NetMQExample/Unity-v0", …, render_mode="video", views=["", "front"])
     env.reset()
     env.unwrapped.begin_render()                            a picture of now, then one of each reset and step
@@ -28,10 +30,12 @@ from gymnasium import logger
 
 from netmq_example import arguments
 from netmq_example.envs.common import gives_pictures
-from netmq_example.envs.connection import FREE_PORT, Accept, Simulators
+from netmq_example.envs.connection import FREE_PORT
+from netmq_example.envs.remote import Remote
 from netmq_example.envs.take import Take, film_writer
 from netmq_example.errors import Lost, Timeout
 from netmq_example.finalizers import finalizer
+from netmq_example.messages import MessageError
 from netmq_example.video.game import ENDPOINT, side
 
 MODES = ["rgb_array", "rgb_array_list", "video"]
@@ -44,30 +48,69 @@ class Rendered:
 
     render_mode: str | None
     metadata: dict[str, Any]
+    remote: Remote
     renderer: "Renderer | None" = None
+    views: tuple[Sequence[str], str] = (("",), "")
+    # Whether the scene draws itself; None until it was asked.
+    draws: bool | None = None
+    newest: Any = None
 
-    def show(self, simulators: Simulators, mode: str | None, views: Sequence[str], view_endpoint: str) -> None:
+    def show(self, remote: Remote, mode: str | None, views: Sequence[str], view_endpoint: str) -> None:
         """Before the simulator is found: one that is launched is told where its views go."""
         self.render_mode = mode
-        if mode is None:
+        self.views = views, view_endpoint
+        if mode is None or (mode == "rgb_array" and not self.wants_views(remote)):
             return
         try:
-            self.renderer = Renderer(mode, views, view_endpoint or (FREE_PORT if simulators.launch else ENDPOINT))
+            self.open_views(remote)
         except BaseException:
-            simulators.close()
+            remote.simulators.close()
             raise
-        if simulators.launch:
-            simulators.launch += ["--ViewRecorder.endpoint", self.renderer.films.game.endpoint]
+
+    def wants_views(self, remote: Remote) -> bool:
+        """Whether views may be needed, and can be taken. Libraries always ask for rgb_array, also where there is no
+        Pillow, and where the views' port is another environment's."""
+        return bool(remote.simulators.launch) and importlib.util.find_spec("PIL") is not None
+
+    def open_views(self, remote: Remote) -> None:
+        views, endpoint = self.views
+        launch = remote.simulators.launch
+        self.renderer = Renderer(self.render_mode or "", views, endpoint or (FREE_PORT if launch else ENDPOINT))
+        if launch:
+            launch += ["--ViewRecorder.endpoint", self.renderer.films.game.endpoint]
         # Also when nobody calls close, and when no simulator comes.
         finalizer(self, self.renderer.close)
 
-    def started(self, simulators: Simulators, accept: Accept) -> Callable[[], object]:
+    def started(self, remote: Remote) -> Callable[[], object]:
         """Find a simulator, and return the function that ends it. If none comes, the views' port is free at once."""
         try:
-            return simulators.start(self, accept)
+            return remote.simulators.start(self, remote.accept)
         except BaseException:
             self.end_films()
             raise
+
+    def drawn(self) -> list[Any] | None:
+        """The pictures that the scene draws itself; None if it draws none."""
+        if self.draws is False:
+            return None
+        try:
+            self.newest = self.remote.pictures()
+            self.draws = True
+        except MessageError as error:
+            if error.code != "no-picture":
+                raise
+            self.draws = False
+            return None
+        except Lost:
+            # A film goes on when the simulator is lost, with the picture before; step says that it is.
+            if self.newest is None:
+                raise
+        pictures: list[Any] = self.newest
+        return pictures
+
+    def own_picture(self, pictures: list[Any]) -> Any:
+        """That of this environment."""
+        raise NotImplementedError
 
     def begin_render(self, screen_width: int = -1, screen_height: int = -1, fullscreen: bool = False) -> None:
         """Begin a film of each view, in place of the one before. -1 is the largest size that the game allows.
@@ -95,8 +138,16 @@ class Rendered:
         return self.renderer.all_of(self.renderer.views, video_paths or {}, self.metadata["render_fps"])
 
     def render(self) -> Any:
-        """The same of the first view alone."""
-        if not gives_pictures(self.render_mode) or not self.renderer:
+        """The same of the first view alone; or the picture that the scene draws itself."""
+        if not gives_pictures(self.render_mode):
+            return None
+        if self.render_mode == "rgb_array":
+            pictures = self.drawn()
+            if pictures is not None:
+                return self.own_picture(pictures)
+            if not self.renderer:
+                self.open_views(self.remote)
+        if not self.renderer:
             return None
         first = self.renderer.views[0]
         return self.renderer.all_of([first], {}, self.metadata["render_fps"])[first]

@@ -8,33 +8,34 @@
 
 What is set before a step is there in that step, and what the simulator records in it comes with its state. The
 simulator is in a SideChannelSimulator, of C# or of scene/side_channels.py; records.py says where the exchange
-stands.
+stands. A scene without side channels goes on without them, and one line says so.
 """
 
+import logging
 from collections.abc import Callable
 from typing import Any
 
 from netmq_example import arguments, check
+from netmq_example.envs.connection import Simulators
 from netmq_example.errors import Lost
-from netmq_example.messages import MessageError
 from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
 from netmq_example.wire.records import Record
+
+log = logging.getLogger("netmq_example.envs")
 
 CURE = "is the simulator in a SideChannelSimulator?"
 
 
 def carry(env: Any, manager: SideChannelManager) -> None:
-    """From now on the steps of this environment, of a vector of areas or of one with agents carry these channels."""
+    """From now on the resets and steps of this environment carry these channels; it may be any of this package."""
     env = getattr(env, "unwrapped", env)
-    # ZmqEnv has its simulators itself, the others in a part of them; the part of a vector of areas asks by itself.
-    owner = next((part for part in (env, *getattr(env, "__dict__", {}).values()) if hasattr(part, "simulators")), None)
-    if not owner:
-        raise TypeError(f"{type(env).__name__} is not of lessons 09 to 11: carry where each environment of it is made")
+    simulators = getattr(env, "simulators", None)
+    if not isinstance(simulators, Simulators):
+        raise TypeError(f"{type(env).__name__} is not of this package: carry where each environment of it is made")
     check.instance("manager", manager, SideChannelManager)
-    asking = owner if "ask" in vars(owner) else owner.simulators.connection
-    if isinstance(getattr(asking.ask, "__self__", None), StepCarrier):
+    if isinstance(getattr(simulators.ask, "__self__", None), StepCarrier):
         raise ValueError(f"{type(env).__name__} carries channels already: give all of them to one manager")
-    asking.ask = StepCarrier(asking.ask, manager).ask
+    simulators.ask = StepCarrier(simulators.ask, manager).ask
 
 
 class StepCarrier:
@@ -44,6 +45,7 @@ class StepCarrier:
         self.asked = arguments.function("asked", asked)
         self.manager = check.instance("manager", manager, SideChannelManager)
         self.unsent = b""
+        self.told = False
 
     def ask(self, request: Any) -> Any:
         if not isinstance(request, Record):
@@ -56,7 +58,9 @@ class StepCarrier:
             # It may have been lost. The next simulator gets it.
             self.unsent = request.exchange
             raise
-        if state.exchange is None:
-            raise MessageError("no-side-channels", CURE)
-        self.manager.take_in(state.exchange)
+        if state.exchange is not None:
+            self.manager.take_in(state.exchange)
+        elif not self.told:
+            self.told = True
+            log.warning("no-side-channels: the scene has none, and goes on without; %s", CURE)
         return state

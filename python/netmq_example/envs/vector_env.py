@@ -1,111 +1,382 @@
-"""A vector environment: one simulator with many areas, and each step of all of them is one message.
+"""Many agents of one kind as a vector environment: one scene, and each step of all of them is one message.
 
     import gymnasium
     import netmq_example.envs
 
-    envs = gymnasium.make_vec("NetMQExample/CartPole-v0", num_envs=16)    waits for a simulator with 16 areas
+    envs = gymnasium.make_vec("NetMQExample/CartPole-v0", num_envs=16)    waits for a scene with 16 agents
 
-Arrays and infos are those of Gymnasium's SyncVectorEnv with as many environments. A finished area resets as
-`autoreset_mode` says: in the next step, which is Gymnasium's default, in the same one, or when reset gets a mask. A
-simulator that is lost ends all episodes: they are truncated, and `infos["lost"]` says why. The C# side is
-AreaSimulator.cs. For agents of lesson 11 it is unity_vector_env.py.
+Arrays and infos are those of Gymnasium's SyncVectorEnv with as many environments; `envs.infos[3]` is what agent 3 has
+said, as it was sent. An agent whose episode is over begins anew as `autoreset_mode` says: in the next step, which is
+Gymnasium's default, in the same one, or when reset gets a mask. A simulator that is lost ends all episodes, and an
+agent that leaves its own: they are truncated, and `infos["lost"]` says why. An agent that is not there has no rewards
+and no ends until it comes back. The C# side is SceneSimulator.cs. Lesson 17's hub has as many scenes in place of one.
 """
 
+import os
+from collections.abc import Sequence
 from typing import Any
 
 import gymnasium
 import numpy as np
+from gymnasium.spaces import Space
+from gymnasium.utils import seeding
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space, iterate
 
-from netmq_example.envs.common import (
-    MadeAnew,
-    checked_options,
-    gives_pictures,
-    known_render_mode,
+from netmq_example import arguments, check
+from netmq_example.envs.actions import Actions
+from netmq_example.envs.common import MadeAnew, checked_options
+from netmq_example.envs.gym_env import check_space
+from netmq_example.envs.infos import Infos, scene_infos
+from netmq_example.envs.kinds import Kind, SceneHello, agreed
+from netmq_example.envs.observations import NOBODY, observations_of
+from netmq_example.envs.remote import GONE, Remote, is_seed, refused_reset
+from netmq_example.envs.rendering import MODES, Rendered, check_words
+from netmq_example.errors import Lost
+from netmq_example.messages import EXACT, LIMIT, MessageError
+from netmq_example.wire.records import (
+    ABSENT,
+    AUTORESET,
+    ENDED,
+    LAST,
+    NOTHING,
+    RESET,
+    SEEN,
+    STEP,
+    TERMINATED,
+    TRUNCATED,
+    Record,
+    Section,
 )
-from netmq_example.envs.remote_areas import RemoteAreas
-from netmq_example.wire.spaces import shown
+from netmq_example.wire.space_bytes import codec_of
 
 
-class AreasEnv(MadeAnew, VectorEnv[Any, Any, Any]):
-    """RemoteAreas with the methods of Gymnasium's vector environments."""
+class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
+    """The agents of one kind. `where` is what Simulators takes: endpoint, launch, wait, timeout, context, fleet.
 
-    metadata: dict[str, Any] = {"render_modes": ["rgb_array"]}  # noqa: RUF012, Gymnasium's own way.
+    `agent_name` is the name of the kind, which is needed where the scene has several. With `real_time` the world goes
+    on while Python thinks.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": MODES}  # noqa: RUF012, Gymnasium's own way.
     # Until it is made: Gymnasium closes what is forgotten, also when there is nothing yet to be closed.
     closed = True
 
-    def __init__(self, areas: RemoteAreas, autoreset_mode: AutoresetMode | str, render_mode: str | None) -> None:
+    def __init__(
+        self,
+        num_envs: int = 1,
+        env_name: str = "",
+        observation_space: Space[Any] | None = None,
+        action_space: Space[Any] | None = None,
+        agent_name: str | None = None,
+        file_name: str | os.PathLike[str] | None = None,
+        max_episode_steps: int | None = None,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        render_mode: str | None = None,
+        views: Sequence[str] = ("",),
+        render_fps: float | None = None,
+        view_endpoint: str = "",
+        real_time: bool = False,
+        **where: Any,
+    ) -> None:
+        check_words(render_mode, views, render_fps)
+        check_space(observation_space, "observation")
+        check_space(action_space, "action")
+        self.num_envs = check.count("num_envs", num_envs)
+        self.given = observation_space, action_space
+        self.agent_name = None if agent_name is None else arguments.text("agent_name", agent_name)
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.observation_mode = "same"
-        self.render_mode = known_render_mode(render_mode)
-        self.areas = areas
-        self.num_envs = areas.count
+        self.render_fps = render_fps
+        unlimited = max_episode_steps is None or max_episode_steps == -1
+        self.limit = 0 if unlimited else check.count("max_episode_steps", max_episode_steps)
+        self.kind: Kind | None = None
+        self.begun = False
+        # Generators, each with the seed that it was made of; and the seed of each agent's next episode, which is drawn
+        # ahead, since an episode may begin before anybody asks for it.
+        self.randoms = [seeding.np_random() for _ in range(self.num_envs)]
+        self.next = np.zeros(self.num_envs, np.int64)
+        self.draw(range(self.num_envs))
         self.over = np.ones(self.num_envs, bool)
-        self.close_once = areas.simulators.start(self, areas.accept)
-        spaces: Any = areas.spaces
-        self.single_observation_space, self.single_action_space = spaces
+        self.gone = np.zeros(self.num_envs, bool)
+        # Steps of each episode, and how many are left until the first one's time is up.
+        self.steps = np.zeros(self.num_envs, int)
+        self.left = 0
+        self.infos = Infos(self.num_envs)
+        # What those have said whose episode has ended, while another one has begun in the same step.
+        self.final_infos: dict[int, dict[str, Any]] = {}
+        self.remote = Remote(env_name, self.use, file_name, real_time, **where)
+        self.simulators = self.remote.simulators
+        self.show(self.remote, render_mode, views, view_endpoint)
+        self.close_once = self.started(self.remote)
+        self.closed = False
+
+    def use(self, scene: SceneHello) -> None:
+        if self.kind:
+            return
+        kinds = [kind for kind in scene.kinds if self.agent_name in (None, kind.name)]
+        if len(kinds) != 1:
+            names = ", ".join(kind.name for kind in scene.kinds)
+            raise ValueError(f"the scene has agents of the kinds {names}: say one of them with agent_name")
+        (kind,) = kinds
+        if len(kind.agents) != self.num_envs:
+            few = f"{kind.agents[0]} … {kind.agents[-1]}" if len(kind.agents) > 1 else kind.agents[0]
+            raise ValueError(
+                f"num_envs is {self.num_envs}, and the scene has {len(kind.agents)} agents named {few}: "
+                f"write num_envs={len(kind.agents)}, or change their number in the scene"
+            )
+        self.single_observation_space = agreed(kind, "observation", self.given[0])
+        self.single_action_space = agreed(kind, "action", self.given[1])
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
-        self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode, "render_fps": areas.fps}
-        self.closed = False
+        self.seen = observations_of(self.single_observation_space, kind)
+        self.actions = Actions(self.single_action_space, kind, checks=self.simulators.fleet)
+        most = self.num_envs * (codec_of(self.single_observation_space).size or 0)
+        if most > LIMIT:
+            raise ValueError(f"{most} bytes of {self.num_envs} agents are more than a message has, {LIMIT}")
+        fps = self.render_fps or scene.frames_per_second(kind)
+        self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode, "render_fps": fps}
+        self.everybody = bytes([STEP]) * self.num_envs
+        self.all_seen = bytes([SEEN]) * self.num_envs
+        self.zeros = bytes(8 * self.num_envs)
+        self.kind = kind
 
     def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         options = checked_options(options)
         mask = np.asarray(options.pop("reset_mask", np.ones(self.num_envs, bool)))
         if mask.shape != (self.num_envs,) or mask.dtype != bool or not mask.any():
             raise ValueError(f"reset_mask must be {self.num_envs} times true or false, one of them true: {mask!r:.80}")
-        seen, infos = self.areas.begin(mask, seed, options)
-        self.over[mask] = False
-        return seen, self.gathered(infos)
+        if not self.begun and not mask.all():
+            raise gymnasium.error.ResetNeeded("the first reset is one of all: leave reset_mask out")
+        self.plant(seed, mask)
+        with refused_reset(self):
+            seen = self.begin(mask, options)
+        self.filmed(begins=True)
+        return seen, self.infos.gathered()
+
+    def plant(self, seed: Any, mask: Any) -> None:
+        """A seed for each agent, None where its generator draws one."""
+        if seed is None:
+            return
+        if is_seed(seed):
+            seed = [int(seed) + agent for agent in range(self.num_envs)]
+        each = list(seed) if np.iterable(seed) and not isinstance(seed, str) else [seed]
+        if len(each) != self.num_envs or not all(one is None or is_seed(one) for one in each):
+            raise ValueError(
+                f"{len(each)} seeds are not one for each of {self.num_envs} agents, below 2**53: {each!r:.80}"
+            )
+        for agent in np.flatnonzero(mask):
+            if each[agent] is not None:
+                self.randoms[agent] = seeding.np_random(int(each[agent]))
+                self.next[agent] = each[agent]
+
+    def draw(self, agents: Any) -> None:
+        for agent in agents:
+            self.next[agent] = self.randoms[agent][0].integers(EXACT)
+
+    def begin(self, mask: Any, options: dict[str, Any]) -> Any:
+        """Observations. In another simulator all begin anew: those not asked to are lost."""
+        kind: Any = self.kind
+        new = mask
+        why = ""
+
+        def sections(lost: Lost | None) -> list[Section]:
+            nonlocal new, why
+            if lost:
+                new = np.ones(self.num_envs, bool)
+                why = str(lost)
+            marks = np.where(new, RESET, NOTHING).astype(np.uint8).tobytes()
+            return [Section(kind.at, (self.next + kind.first).tobytes(), marks)]
+
+        answer = self.remote.begin(sections, options)
+        self.draw(np.flatnonzero(new))
+        self.read(answer, set(np.flatnonzero(new).tolist()))
+        for agent in np.flatnonzero(new & ~mask):
+            self.infos.add(int(agent), {"lost": why})
+        seen = self.seen.batch()
+        self.over = self.over & ~new
+        self.steps[new] = 0
+        self.count_again()
+        self.begun = True
+        return seen
+
+    def count_again(self) -> None:
+        """How many steps are left until somebody's time is up."""
+        self.left = self.limit - int(self.steps.max()) if self.limit else 0
+
+    def read(self, answer: Record, begins: Any) -> tuple[Section, Any]:
+        """The section of what is now, and one of those that have ended, or None."""
+        now = answer.sections[0]
+        ended = next((one for one in answer.sections[1:] if one.columns & ENDED), None)
+        if ended:
+            begins = {*begins, *ended.whose()}
+        everyone = {"env": scene_infos(answer.said)} if answer.said else None
+        self.infos = Infos(self.num_envs, now, everyone)
+        absent = now.marks != self.all_seen and np.frombuffer(now.marks, np.uint8) & ABSENT > 0
+        if absent is not False or self.gone.any():
+            self.gone = np.zeros(self.num_envs, bool) | absent
+            for agent in np.flatnonzero(self.gone):
+                self.infos.add(int(agent), {"lost": GONE})
+        self.seen.take(now, begins or NOBODY)
+        return now, ended
 
     def step(self, actions: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
-        if not self.areas.seen:
-            raise gymnasium.error.ResetNeeded("call reset before step")
-        if actions not in self.action_space:
-            raise ValueError(f"actions {shown(actions)} are not in {shown(self.action_space)}")
-        if self.autoreset_mode == AutoresetMode.DISABLED and self.over.any():
-            raise ValueError(f"areas {np.flatnonzero(self.over)} are over: reset(options={{'reset_mask': …}}) first")
-        if self.over.all():
+        if not self.begun:
+            raise gymnasium.error.ResetNeeded("no episode is under way: call reset before step")
+        self.final_infos = {}
+        again = self.over if self.over.any() else None
+        if again is not None and self.autoreset_mode == AutoresetMode.DISABLED:
+            raise ValueError(f"agents {np.flatnonzero(again)} are over: reset(options={{'reset_mask': …}}) first")
+        if again is not None and again.all():
             # All were lost, perhaps: then it is another simulator that they begin in.
-            seen, infos = self.areas.begin(self.over)
-            rewards, terminated, truncated = np.zeros(self.num_envs), ~self.over, ~self.over
+            if actions not in self.action_space:
+                raise self.actions.refused(self.action_space, actions)
+            seen = self.begin(again, {})
+            self.filmed(begins=True)
+            nothing = np.zeros(self.num_envs)
+            return seen, nothing, nothing > 0, nothing > 0, self.infos.gathered()
+        try:
+            answer = self.actions.asked(lambda batch: self.ask_step(batch, again), self.action_space, actions)
+        except Lost as lost:
+            return self.lost(str(lost))
+        if again is not None:
+            self.steps[again] = -1
+        self.steps += 1
+        self.left -= 1
+        results = self.results(answer, again)
+        self.filmed(begins=False)
+        return results
+
+    def ask_step(self, actions: Any, again: Any) -> Record:
+        """One step of all agents. Those of `again` are reset in place of it."""
+        kind: Any = self.kind
+        marks = self.everybody
+        numbers = self.zeros
+        bits = 0
+        steps = None
+        if again is not None or self.gone.any() or (self.limit and self.left <= 1):
+            orders = np.full(self.num_envs, STEP, np.uint8)
+            if self.limit:
+                orders[self.steps + 1 >= self.limit] = LAST
+            begins = self.gone if again is None else again | self.gone
+            orders[begins] = RESET
+            steps = None if not begins.any() else ~begins
+            marks = orders.tobytes()
+        if self.autoreset_mode == AutoresetMode.SAME_STEP:
+            bits = AUTORESET
+        if bits or steps is not None:
+            numbers = (self.next + kind.first).tobytes()
+        section = Section(kind.at, numbers, marks)
+        self.actions.put_batch(section, actions, steps)
+        answer = self.remote.ask([section], bits=bits)
+        if steps is not None:
+            self.draw(np.flatnonzero(~steps))
+        return answer
+
+    def results(self, answer: Record, again: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+        was_gone = self.gone
+        before = self.seen.batch() if self.autoreset_mode == AutoresetMode.SAME_STEP and self.may_end(answer) else None
+        now, ended = self.read(answer, set() if again is None else set(np.flatnonzero(again).tolist()))
+        rewards = np.frombuffer(now.numbers, np.float64).copy()
+        if not np.isfinite(rewards.sum()):
+            raise MessageError("bad-reward", f"the rewards are {rewards!s:.80}")
+        if now.marks == self.all_seen:
+            terminated, truncated = np.zeros(self.num_envs, bool), np.zeros(self.num_envs, bool)
         else:
-            seen, rewards, terminated, truncated, infos = self.areas.step(actions, self.over)
+            marks = np.frombuffer(now.marks, np.uint8)
+            terminated = marks & TERMINATED > 0
+            # Whoever leaves is cut, once; whoever is away has no episode that could end.
+            truncated = (marks & TRUNCATED > 0) | (self.gone & ~was_gone & ~terminated)
+        seen = self.seen.batch()
+        if self.limit and self.left <= 0:
+            truncated |= (self.steps >= self.limit) & ~self.gone
+        if ended is not None:
+            self.end(ended, rewards, terminated, truncated, before)
         self.over = terminated | truncated
+        infos = self.infos.gathered()
         if self.autoreset_mode == AutoresetMode.SAME_STEP and self.over.any():
-            seen, infos = self.begin_at_once(seen, truncated, infos)
-        return seen, rewards, terminated, truncated, self.gathered(infos)
+            infos = self.with_finals(infos, seen, before)
+            self.over = np.zeros(self.num_envs, bool)
+        if self.limit and self.left <= 0:
+            self.count_again()
+        return seen, rewards, terminated, truncated, infos
 
-    def begin_at_once(self, last: Any, truncated: Any, ends: list[Any]) -> tuple[Any, list[Any]]:
-        """Finished areas begin their next episode. Its info has the last observation and info of the old one."""
-        each = list(iterate(self.observation_space, last))
-        seen, infos = self.areas.begin(self.over)
-        for area, over in enumerate(self.over):
-            final = {"final_obs": each[area], "final_info": ends[area]} if over else ends[area]
-            infos[area] = {**final, **infos[area]}
-            if not over and "lost" in infos[area]:
-                truncated[area] = True
-        self.over = np.zeros(self.num_envs, bool)
-        return seen, infos
+    def may_end(self, answer: Record) -> bool:
+        return len(answer.sections) > 1 or answer.sections[0].marks != self.all_seen
 
-    def gathered(self, infos: list[dict[str, Any]]) -> dict[str, Any]:
-        """As Gymnasium has them: an array for each name, and beside it one that says whose value is meant."""
-        all_of_them: dict[str, Any] = {}
-        for area, info in enumerate(infos):
-            if info:
-                all_of_them = self._add_info(all_of_them, info, area)
-        return all_of_them
+    def end(self, ended: Section, rewards: Any, terminated: Any, truncated: Any, before: Any) -> None:
+        """Those that have ended, and begun anew."""
+        kind: Any = self.kind
+        who = np.asarray(ended.whose())
+        if len(who) and int(who.max()) >= self.num_envs:
+            raise MessageError("bad-record", f"agent {who.max()} of {self.num_envs} cannot have ended")
+        numbers = np.frombuffer(ended.numbers, np.float64)
+        if not np.isfinite(numbers.sum()):
+            raise MessageError("bad-reward", f"the rewards are {numbers!s:.80}")
+        rewards[who] = numbers
+        marks = np.frombuffer(ended.marks, np.uint8)
+        terminated[who] = marks & TERMINATED > 0
+        timed_out = self.steps[who] >= self.limit if self.limit else False
+        truncated[who] = (marks & TERMINATED == 0) | (marks & TRUNCATED > 0) | timed_out
+        self.steps[who] = 0
+        self.draw(who)
+        self.last = observations_of(self.single_observation_space, kind)
+        self.last.take(ended)
+        infos = Infos(self.num_envs, ended)
+        self.final_infos = {agent: infos[agent] for agent in who.tolist()}
 
-    def render(self) -> tuple[Any, ...] | None:
-        return tuple(self.areas.render()) if gives_pictures(self.render_mode) else None
+    def with_finals(self, infos: dict[str, Any], seen: Any, before: Any) -> dict[str, Any]:
+        """The last observation and info of each episode that is over."""
+        each = None
+        for agent in np.flatnonzero(self.over).tolist():
+            if agent in self.final_infos:
+                final = self.last.one(agent)
+            else:
+                # Whoever has left was seen last before.
+                each = list(iterate(self.observation_space, before)) if each is None else each
+                final = each[agent]
+                self.final_infos[agent] = self.infos[agent]
+            infos = self._add_info(infos, {"final_obs": final, "final_info": self.final_infos[agent]}, agent)
+        return infos
 
-    # As Gymnasium's own vector environments have them: one for each area.
-    np_random = property(lambda self: tuple(random for random, _ in self.areas.random))
-    np_random_seed = property(lambda self: tuple(seed for _, seed in self.areas.random))
+    def lost(self, why: str) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+        """The simulator is gone, and so are all episodes. The last observations stand for unknown ones."""
+        self.infos = Infos(self.num_envs, None, {"lost": why})
+        nothing = np.zeros(self.num_envs)
+        seen = self.seen.batch()
+        self.over = np.ones(self.num_envs, bool)
+        infos = self.infos.gathered()
+        if self.autoreset_mode == AutoresetMode.SAME_STEP:
+            over = self.over
+            finals = list(iterate(self.observation_space, seen))
+            seen = self.begin(over, {})
+            infos = self.infos.gathered()
+            for agent, final in enumerate(finals):
+                self.final_infos[agent] = {"lost": why}
+                infos = self._add_info(infos, {"final_obs": final, "final_info": {"lost": why}}, agent)
+        self.filmed(begins=False)
+        return seen, nothing, nothing > 0, nothing == 0, infos
+
+    def own_picture(self, pictures: list[Any]) -> Any:
+        kind: Any = self.kind
+        return pictures[0] if len(pictures) == 1 else pictures[kind.first]
+
+    def render(self) -> Any:
+        """A tuple with a picture of each agent, where they draw themselves; else what rendering.py says."""
+        kind: Any = self.kind
+        pictures = self.drawn() if self.render_mode == "rgb_array" else None
+        if pictures is None:
+            seen = super().render()
+            return (seen,) * self.num_envs if self.render_mode == "rgb_array" else seen
+        each = pictures[kind.first : kind.first + self.num_envs] if len(pictures) > 1 else pictures * self.num_envs
+        return tuple(each)
+
+    # As Gymnasium's own vector environments have them: one for each agent.
+    np_random = property(lambda self: tuple(random for random, _ in self.randoms))
+    np_random_seed = property(lambda self: tuple(seed for _, seed in self.randoms))
 
     def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
-        """The attribute that an environment of one area would have, once for each: only pictures differ."""
+        """The attribute that an environment of one agent would have, once for each: only pictures differ."""
         if name in ("reset", "step", "close"):
             raise ValueError(f"call {name} of the vector environment itself, not by call")
         if name == "render":
@@ -120,27 +391,16 @@ class AreasEnv(MadeAnew, VectorEnv[Any, Any, Any]):
         return self.call(name)
 
     def set_attr(self, name: str, values: Any) -> None:
-        """One value for all areas, or a list of equal ones: they are one simulator."""
+        """One value for all agents, or a list of equal ones: they are one simulator."""
         each = list(values) if isinstance(values, list | tuple) else [values]
         if any(value != each[0] for value in each[1:]):
-            raise ValueError(f"{name} is the same for all areas, not {values!r:.80}")
+            raise ValueError(f"{name} is the same for all agents, not {values!r:.80}")
         setattr(self, name, each[0])
 
+    def send_info(self, info: Any, agent: str = "") -> None:
+        """To an agent, or to the scene itself, which is ""."""
+        self.remote.send_info(info, agent)
+
     def close_extras(self, **kwargs: Any) -> None:
+        self.end_films()
         self.close_once()
-
-
-class ZmqVectorEnv(AreasEnv):
-    """The areas of one simulator. `where` is what Simulators takes: endpoint, launch, wait, timeout, socket."""
-
-    def __init__(
-        self,
-        num_envs: int,
-        name: str,
-        max_episode_steps: int | None = None,
-        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
-        render_mode: str | None = None,
-        **where: Any,
-    ) -> None:
-        known_render_mode(render_mode)
-        super().__init__(RemoteAreas(num_envs, name, max_episode_steps, **where), autoreset_mode, render_mode)

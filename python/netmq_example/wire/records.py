@@ -104,9 +104,7 @@ class Section:
         count = len(self.marks)
         values = self.values
         parts = [
-            SECTION.pack(
-                self.kind, self.columns, count, len(self.table) // 8, len(values), len(self.infos), 0
-            ),
+            SECTION.pack(self.kind, self.columns, count, len(self.table) // 8, len(values), len(self.infos), 0),
             self.numbers,
             self.marks,
             ZEROS[count % 8],
@@ -222,7 +220,9 @@ def read(kind: int, frame: Any, choices: Sequence[int] = ()) -> Record:
         raise bad("it ends too early")
     found, bits, count, zero, id, said, exchange = HEAD.unpack_from(view)
     if found in (1, 2):
-        raise MessageError("old-record", "the other side speaks the record of an older kit: update the one that is older")
+        raise MessageError(
+            "old-record", "the other side speaks the record of an older kit: update the one that is older"
+        )
     # An id beyond EXACT could not be named in an error, which is a message.
     if found != kind or bits > 15 or zero or not 0 <= id < EXACT:
         raise bad(f"kind {found}, bits {bits} and id {id} cannot be")
@@ -233,7 +233,9 @@ def read(kind: int, frame: Any, choices: Sequence[int] = ()) -> Record:
     end = after + exchange + -exchange % 8
     if end > size:
         raise bad("it ends too early")
-    record = Record(kind, id, [], bits, view[at : at + said], view[after : after + exchange] if bits & EXCHANGE else None)
+    record = Record(
+        kind, id, [], bits, view[at : at + said], view[after : after + exchange] if bits & EXCHANGE else None
+    )
     for _ in range(count):
         section, end = read_section(kind, view, end, choices)
         record.sections.append(section)
@@ -281,7 +283,7 @@ def read_section(kind: int, view: memoryview, at: int, choices: Sequence[int]) -
 def read_columns(section: Section, view: memoryview, at: int, rows: int, choices: Sequence[int]) -> int:
     columns = section.columns
     count = len(section.marks)
-    if columns & ENDED and not columns & WHO or columns & SIZES and columns & FORM:
+    if (columns & ENDED and not columns & WHO) or (columns & SIZES and columns & FORM):
         raise bad(f"columns {columns} cannot be together")
 
     def take(size: int) -> memoryview:

@@ -1,0 +1,148 @@
+"""What the agents of one kind do: actions as the rows of a request.
+
+    actions = Actions(space, kind)
+    section = Section(kind.at, seeds, marks)
+    actions.put_batch(section, batch)               those of all agents, as Gymnasium batches them
+    actions.put(section, [action])                  one for each that steps
+
+The side that has declared a space checks what is said in it. So what C# has declared is looked at here for its shape
+and dtype alone: the simulator refuses the rest before anything moves.
+"""
+
+import functools
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+from gymnasium.spaces import Space
+from gymnasium.vector.utils import batch_space, iterate
+
+from netmq_example.envs.kinds import Kind
+from netmq_example.envs.merge import fitted
+from netmq_example.envs.plan import form_in
+from netmq_example.messages import ENCODER, MessageError
+from netmq_example.wire import trees
+from netmq_example.wire.records import FORM, Section, with_sizes
+from netmq_example.wire.space_bytes import Bytes
+from netmq_example.wire.spaces import REASONS, shown
+
+# So far outside of its limits an action may be, in steps of its dtype: rounding did it.
+ULPS = 4
+
+
+class Actions:
+    """`checks`: here, and not by the simulator."""
+
+    def __init__(self, space: Space[Any], kind: Kind, checks: bool = False) -> None:
+        self.space = space
+        self.count = len(kind.agents)
+        self.name = kind.name
+        self.values = kind.action is None
+        self.checks = checks or self.values
+        self.bytes = Bytes(space)
+        # As values they have a form. Of most spaces it is always the same: then it is said once for all rows.
+        form = form_in(space) if self.values else None
+        self.form = b"" if form is None else ENCODER.encode(form).encode()
+        self.blocks = bool(self.bytes.size) and (bool(self.form) or not self.values)
+
+    @functools.cached_property
+    def batch(self) -> Space[Any]:
+        return batch_space(self.space, self.count)
+
+    def put(self, section: Section, actions: Sequence[Any]) -> None:
+        """ValueError names an action that cannot be in the space."""
+        if self.checks:
+            actions = [self.checked(self.space, action) for action in actions]
+        try:
+            rows = [self.row(action) for action in actions]
+        except REASONS as error:
+            wrong = next((action for action in actions if action not in self.space), actions[0])
+            raise self.refused(self.space, wrong, error) from None
+        self.say_form(section)
+        with_sizes(section, rows)
+
+    def row(self, action: Any) -> bytes:
+        if self.values and not self.form:
+            return trees.write(fitted(self.space, action, f"action of {self.name}"))
+        return self.bytes.write(action)
+
+    def put_batch(self, section: Section, batch: Any, steps: Any = None) -> None:
+        """`steps` says which agents step, all of them without it."""
+        if self.checks:
+            batch = self.checked(self.batch, batch)
+        try:
+            if self.blocks:
+                blocks: list[Any] = []
+                self.bytes.codec.write_block(self.count, batch, blocks)
+                block = blocks[0] if len(blocks) == 1 else np.concatenate(blocks, axis=1)
+                self.say_form(section)
+                section.values = (block if steps is None else block[steps]).tobytes()
+                return
+            rows = [self.row(action) for action in iterate(self.batch, batch)]
+        except REASONS as error:
+            raise self.refused(self.batch, batch, error) from None
+        if len(rows) != self.count:
+            raise self.refused(self.batch, batch)
+        self.say_form(section)
+        with_sizes(section, rows if steps is None else [row for row, step in zip(rows, steps, strict=True) if step])
+
+    def say_form(self, section: Section) -> None:
+        if self.values and self.form:
+            section.columns |= FORM
+            section.form = self.form
+
+    def checked(self, space: Space[Any], action: Any) -> Any:
+        """The action, or what it was before it was rounded."""
+        if action in space:
+            return action
+        near = nearest(space, action)
+        if near is None:
+            raise self.refused(space, action)
+        return near
+
+    def refused(self, space: Space[Any], action: Any, error: Exception | None = None) -> Exception:
+        if isinstance(error, MessageError) and action in space:
+            return error
+        word = "actions" if space is not self.space else "action"
+        verb = "are" if space is not self.space else "is"
+        return ValueError(f"{word} {shown(action)} {verb} not in {shown(space)}")
+
+    def asked(self, ask: Callable[[Any], Any], space: Space[Any], action: Any) -> Any:
+        """`ask(action)`, and once more if the simulator refuses what rounding alone has taken out of the space."""
+        try:
+            return ask(action)
+        except MessageError as error:
+            if error.code != "not-in-space" or self.checks or action in space:
+                raise
+            near = nearest(space, action)
+            if near is None:
+                raise self.refused(space, action) from None
+        return ask(near)
+
+
+def nearest(space: Any, action: Any) -> Any:
+    """What is in the space, and no more than rounding away; else None."""
+    match space:
+        case spaces.Box() if space.dtype.kind == "f":
+            try:
+                given = np.asarray(action)
+                if given.shape != space.shape or given.dtype.kind not in "biuf":
+                    return None
+                limited = np.clip(given.astype(space.dtype), space.low, space.high)
+                far = np.abs(given - limited) > ULPS * np.spacing(np.abs(limited))
+            except REASONS:
+                return None
+            # NaN is near nothing.
+            return None if far.any() or np.isnan(limited).any() else limited
+        case spaces.Dict():
+            if not isinstance(action, dict) or action.keys() != space.spaces.keys():
+                return None
+            parts: Any = {key: nearest(part, action[key]) for key, part in space.items()}
+            return None if any(part is None for part in parts.values()) else parts
+        case spaces.Tuple():
+            if not isinstance(action, tuple | list) or len(action) != len(space):
+                return None
+            items = [nearest(part, item) for part, item in zip(space, action, strict=True)]
+            return None if any(item is None for item in items) else tuple(items)
+    return action if action in space else None

@@ -1,0 +1,125 @@
+"""A scene as an environment sees it: its simulator, its agents, and the orders to them.
+
+remote = Remote("Ball", use, None, launch=…)                use(scene) looks at its agents, or raises ValueError
+remote.simulators.start(owner, remote.accept)
+answer = remote.begin([section], options)                   resets, in another simulator if one is lost
+answer = remote.ask([section])                              steps; Lost
+"""
+
+import contextlib
+import os
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from netmq_example import arguments, check
+from netmq_example.envs.common import LONGEST_OPTIONS, checked_options
+from netmq_example.envs.connection import Simulators
+from netmq_example.envs.kinds import SceneHello, read_hello, same_scene
+from netmq_example.errors import Lost
+from netmq_example.messages import EXACT, Message, MessageError
+from netmq_example.wire import trees
+from netmq_example.wire.records import ASKS, REAL_TIME, Record, Section
+from netmq_example.wire.spaces import write_dict
+
+# Bytes of an info.
+LONGEST_INFO = 12_000
+GONE = "it has left the scene"
+
+Sections = Callable[[Lost | None], list[Section]]
+
+
+class Remote:
+    """`where` is what Simulators takes; `file_name` is gymize's name for its `launch`."""
+
+    def __init__(
+        self,
+        env_name: str,
+        use: Callable[[SceneHello], object],
+        file_name: str | os.PathLike[str] | None,
+        real_time: bool = False,
+        **where: Any,
+    ) -> None:
+        self.name = arguments.text("env_name", env_name)
+        self.use = use
+        self.scene: SceneHello | None = None
+        self.bits = REAL_TIME if check.instance("real_time", real_time, bool) else 0
+        self.simulators = Simulators(**launched_as(file_name, where))
+        if real_time and self.simulators.fleet:
+            raise ValueError("real_time takes one simulator: those of a fleet are asked anew, and so have no clock")
+
+    def accept(self, hello: Message) -> None:
+        """Take a simulator; MessageError says why it is refused."""
+        scene = same_scene(read_hello(hello, self.name), self.scene)
+        try:
+            self.use(scene)
+        except MessageError:
+            raise
+        except ValueError as error:
+            raise MessageError("wrong-scene", str(error)) from None
+        self.scene = scene
+
+    def ask(self, sections: list[Section], said: bytes = b"", bits: int = 0) -> Record:
+        answer: Record = self.simulators.ask(Record(ASKS, 0, sections, self.bits | bits, said))
+        return answer
+
+    def begin(self, sections: Sections, options: dict[str, Any], bits: int = 0) -> Record:
+        """The answer of the simulator, or of the next one: `sections` gets the error that was raised before."""
+        said = options_as_bytes(options)
+        begun: Record = self.simulators.begin(self.accept, lambda lost: self.ask(sections(lost), said, bits))
+        return begun
+
+    def send_info(self, info: Any, agent: str) -> None:
+        """To an agent's OnInfo; to "", the scene's."""
+        if agent and self.scene:
+            self.scene.kind_of(agent)
+        try:
+            data = trees.write([agent, info])
+        except MessageError as error:
+            raise ValueError(f"the info cannot be sent: {error}") from None
+        if len(data) > LONGEST_INFO:
+            raise ValueError(f"an info has at most {LONGEST_INFO} bytes, not {len(data)}")
+        self.simulators.ask(Message("info", 0, {}, [trees.array_of(data)]))
+
+    def pictures(self) -> list[Any]:
+        """Those that the scene draws itself: one of all, or one of each agent. MessageError: it draws none."""
+        arrays = self.simulators.ask(Message("render")).arrays
+        for array in arrays:
+            if array.dtype != "uint8" or array.shape[2:] != (3,):
+                raise MessageError("no-picture", f"{array.dtype} {array.shape!s:.60} is not uint8 [height, width, 3]")
+        return [array.numpy().copy() for array in arrays]
+
+
+def launched_as(file_name: Any, where: dict[str, Any]) -> dict[str, Any]:
+    if file_name is None:
+        return where
+    if not isinstance(file_name, str | os.PathLike) or not os.fspath(file_name):
+        raise ValueError(f"file_name takes the path of a game, not {file_name!r:.40}")
+    return {"launch": file_name, **where}
+
+
+def options_as_bytes(options: Any) -> bytes:
+    """The options that reset sends. ValueError names a value that no simulator could read."""
+    options = checked_options(options)
+    try:
+        data = write_dict(options, "option") if options else b""
+    except MessageError as error:
+        raise ValueError(error.text) from None
+    if len(data) > LONGEST_OPTIONS:
+        raise ValueError(f"options of {len(data)} bytes cannot be sent: at most {LONGEST_OPTIONS}")
+    return data
+
+
+def is_seed(seed: Any) -> bool:
+    return isinstance(seed, int | np.integer) and not isinstance(seed, bool) and 0 <= seed < EXACT
+
+
+@contextlib.contextmanager
+def refused_reset(env: Any) -> Any:
+    """A step after a refused reset would step half a world."""
+    try:
+        yield
+    except MessageError:
+        env.begun = False
+        raise
