@@ -181,7 +181,7 @@ class Simulators:
     """`launch` is the path of a build, with its ending or without, or a list: a program and its first words.
 
     `--endpoint` follows them. `wait` is how many seconds for a simulator, `timeout` how many for each answer. `context`
-    is the caller's own. `fleet` is lesson 17's FleetSocket, in place of an endpoint, and `socket` a bound ROUTER socket:
+    is the caller's own. `fleet` is lesson 17's FleetSocket in place of an endpoint, and `socket` a bound ROUTER socket;
     neither is closed.
     """
 
@@ -198,10 +198,12 @@ class Simulators:
     ) -> None:
         no_others(unknown)
         check.instance("context", context, zmq.Context, type(None))
-        if fleet is not None and not isinstance(fleet, OtherSide):
-            raise TypeError(f"fleet takes lesson 17's FleetSocket, not {fleet!r:.40}")
         self.fleet = fleet is not None
-        socket = fleet if self.fleet else socket
+        if self.fleet:
+            if not isinstance(fleet, OtherSide):
+                raise TypeError(f"fleet takes lesson 17's FleetSocket, not {fleet!r:.40}")
+            other: Any = fleet
+            socket = other
         self.wait = check.seconds("wait", wait)
         timeout = check.seconds("timeout", timeout)
         self.launch = program(launch)

@@ -64,9 +64,9 @@ class Rows:
             self.block = None
 
     def batch(self) -> Any:
-        if self.block is None and self.bytes.size and None not in self.rows:
-            if {*map(len, self.rows)} == {self.bytes.size}:
-                self.block = memoryview(b"".join(self.rows))
+        whole = self.block is None and self.bytes.size and None not in self.rows
+        if whole and {*map(len, self.rows)} == {self.bytes.size}:
+            self.block = memoryview(b"".join(self.rows))
         if self.block is None:
             return together(self.space, [self.one(agent) for agent in range(self.count)])
         block = np.frombuffer(self.block, np.uint8).reshape(self.count, self.bytes.size)

@@ -112,7 +112,7 @@ def options_as_bytes(options: Any) -> bytes:
 
 
 def is_seed(seed: Any) -> bool:
-    return isinstance(seed, int | np.integer) and not isinstance(seed, bool) and 0 <= seed < EXACT
+    return isinstance(seed, int | np.integer) and not isinstance(seed, bool) and bool(0 <= seed < EXACT)
 
 
 @contextlib.contextmanager
