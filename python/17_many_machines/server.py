@@ -55,14 +55,18 @@ def main() -> None:
         board = Board()
         times = {"late": options.late, "timeout": options.timeout, "idle": options.idle}
         hub = Hub(socket, build=options.build, report=board.report, **times)
+        # It waits no longer for a message.
+        socket.rcvtimeo = 50
         while True:
-            if socket.poll(50):
+            try:
                 # Only a frame knows who sent it; bytes are faster.
                 message: list[Any] = socket.recv_multipart(0, copy=not allowed)
                 # Asked with each message: the handshake of a revoked key may have been long ago.
                 if not allowed or allowed.name_of(message[-1]):
                     # A peer says hello or join, or answers a request.
                     hub.take(bytes(message[0]), message[1:])
+            except zmq.Again:
+                pass
             # A silent peer gets its message again, and an episode without a simulator gets the next free one.
             hub.tick()
             board.show(hub)

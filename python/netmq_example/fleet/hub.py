@@ -101,11 +101,11 @@ class Hub:
         except MessageError as error:
             if isinstance(error, NotTaken):
                 self.report(f"refused: {error}")
-            self.send(peer, Message.refusal(error))
+            self.send(peer, Message.refusal(error).frames())
         self.lease()
 
     def answered(self, peer: bytes, member: Member, answer: Any) -> None:
-        if not fits(answer, member.last):
+        if not fits(answer, member.asking):
             self.lose(peer, "its answer is not what it has announced")
         else:
             if member.episode and member.episode.differs(member.done, answer):
@@ -162,10 +162,10 @@ class Hub:
             member.episode.lost_by(member)
         self.report(f"simulator {member.number} is gone: {why}")
 
-    def send(self, peer: bytes, message: Any) -> bool:
+    def send(self, peer: bytes, frames: list[Any]) -> bool:
         """False if it is gone. One that takes nothing now gets it later, once more."""
         try:
-            self.socket.send_multipart([peer, *message.frames()], zmq.NOBLOCK)
+            self.socket.send_multipart([peer, *frames], zmq.NOBLOCK)
         except zmq.ZMQError as error:
             return error.errno == zmq.EAGAIN
         return True
@@ -203,7 +203,7 @@ class Hub:
         if not member.there:
             self.lose(peer, "its connection is")
         elif idle or now > member.heard + UNANSWERED_SECONDS:
-            self.send(peer, Message("close", member.last.id + 1))
+            self.send(peer, Message("close", member.id + 1).frames())
             why = f"nothing to do for {self.idle:g} s" if idle else f"no answer for {UNANSWERED_SECONDS:g} s"
             self.lose(peer, why)
 
@@ -216,18 +216,21 @@ class Hub:
             missing = sum(not episode.runs for episode in trainer.under_way())
             # Its hello, until it asks for something: that may have gone to a connection that is no more.
             joins = trainer.request.kind == "join"
-            trainer.reply(trainer.kept if joins else Message("alive", 0, {"missing": missing}))
+            trainer.reply(trainer.kept if joins else Message("alive", 0, {"missing": missing}).frames())
 
     def admit(self, trainer: Trainer) -> None:
         """It may begin when there is a simulator for each of its areas."""
         members = self.members_of(trainer.name)
         taken = sum(other.areas for other in self.trainers.values() if other.admitted and other.name == trainer.name)
         if trainer.areas <= members - taken:
-            hello = self.hellos[trainer.name]
-            trainer.admitted = True
-            trainer.answer(offer(hello, trainer.areas))
+            try:
+                trainer.answer(offer(self.hellos[trainer.name], trainer.areas).frames())
+                trainer.admitted = True
+            except MessageError as error:
+                trainer.refuse(error)
+                trainer.there = False
         else:
-            trainer.kept = Message("alive", 0, {"simulators": members, "taken": taken})
+            trainer.kept = Message("alive", 0, {"simulators": members, "taken": taken}).frames()
 
     def members_of(self, name: str) -> int:
         return sum(member.name == name for member in self.members.values())

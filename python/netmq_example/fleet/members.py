@@ -1,8 +1,8 @@
 """Simulators as the hub sees them: which it takes, and the episodes that they play.
 
     accept(hello, build="1", hello_here=None)              NotTaken if this simulator is not like the others
-    member = Member(1, "CartPole", send)                   send(message) is False if the simulator is gone
-    episode = Episode(reset, ready)                        a Record of one row
+    member = Member(1, "CartPole", send)                   send(frames) is False if the simulator is gone
+    episode = Episode(reset, ready)                        a Part
     member.lease(episode)                                  it gets the reset, and all later requests in turn
     episode.ask(step)                                      ready() is called when there is an answer
 
@@ -11,35 +11,55 @@ one dies, or is late: the trainer never notices. So an episode belongs to no sim
 compute alike, which is why the hub takes those of one build only.
 """
 
-import copy
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
-from netmq_example.messages import LIMIT, Message, MessageError
-from netmq_example.wire.records import Record
+from netmq_example.fleet import pieces
+from netmq_example.messages import Array, Message, MessageError
+from netmq_example.wire.records import FORM, SIZES, Record
 
 # The hub is never silent for so long. See Member.
 SILENCE_SECONDS = 3.0
 # A hello is kept, one of each name. The spaces of most have some hundred bytes.
 LARGEST_HELLO_BYTES = 16 * 1024 * 1024
-# In memory a request takes so many bytes besides those of its row.
+# In memory a request takes so many bytes besides its own.
 REQUEST_BYTES = 500
 MOST_AREAS = 1024
+# Of agents, in letters: a trainer's hello has it once for each area.
+LONGEST_NAME = 1000
+# Where the id stands in a record.
+ID = slice(8, 16)
+# The answer to a request in words.
+WORDS = {"render": "picture", "info": "told"}
+
+
+class Part:
+    """What one simulator is asked of a request, as bytes: these are kept, and so none of the others'."""
+
+    __slots__ = ("begins", "frame", "rows")
+
+    def __init__(self, frame: bytes, rows: Sequence[tuple[int, int]], begins: bool) -> None:
+        """`rows` are the kinds that are asked, and how many of each; `begins` says that an episode does."""
+        self.frame = frame
+        self.rows = rows
+        self.begins = begins
+
+    def frames(self, id: int) -> list[bytes]:
+        return [b"".join((self.frame[: ID.start], id.to_bytes(8, "little"), self.frame[ID.stop :]))]
 
 
 class Episode:
     """Of one area: its requests so far, the reset first, and the answer to the last one when there is one."""
 
-    def __init__(self, reset: Record, ready: Callable[[], object], most: int = LIMIT) -> None:
-        """An answer has at most so many bytes."""
+    def __init__(self, reset: Part, ready: Callable[[], object]) -> None:
         self.requests: list[Any] = [reset]
         self.size = size_of(reset)
         self.ready = ready
-        self.most = most
         self.runs: list[Member] = []
         self.answer: Any = None
-        self.seen = b""
+        # The values of its last step; None until there is one.
+        self.seen: list[Any] | None = None
         self.leased = False
         # How many simulators were lost in a row, each when it had done `lost_at` requests.
         self.lost = 0
@@ -61,15 +81,10 @@ class Episode:
             run.episode = self if run is by else None
         self.runs = [by]
         self.lost = 0
-        if size_of(answer) > self.most + REQUEST_BYTES:
-            text = f"an answer of {size_of(answer)} bytes is more than one area's part of a message, {self.most}"
-            answer = Message.refusal(MessageError("too-big", text))
-            # Its world has gone on, and nobody has seen it: the episode is over.
-            self.seen = b""
         self.answer = answer
         if isinstance(answer, Record):
-            self.seen = bytes(answer.rows[0])
-        elif len(self.requests) > 1:
+            self.seen = values_in(answer)
+        elif answer.kind != "told" and len(self.requests) > 1:
             # A picture, or a refusal: the world has not changed.
             self.size -= size_of(self.requests.pop())
             by.done -= 1
@@ -77,8 +92,8 @@ class Episode:
 
     def differs(self, done: int, answer: Any) -> bool:
         """Whether a simulator that plays it again, and has come to what was seen last, sees something else."""
-        again = done + 2 == len(self.requests)
-        return again and isinstance(answer, Record) and answer.rows[0] != self.seen
+        again = done + 2 == len(self.requests) and self.seen is not None
+        return again and isinstance(answer, Record) and values_in(answer) != self.seen
 
     def lost_by(self, run: "Member") -> None:
         self.runs.remove(run)
@@ -97,7 +112,7 @@ class Episode:
 class Member:
     """A simulator of the fleet. One request at a time is under way, and an episode takes all of it."""
 
-    def __init__(self, number: int, name: str, send: Callable[[Any], bool]) -> None:
+    def __init__(self, number: int, name: str, send: Callable[[list[Any]], bool]) -> None:
         self.number = number
         self.name = name
         self.send = send
@@ -107,7 +122,9 @@ class Member:
         self.busy = False
         # A hub that is silent for longer was started anew, and does not know its simulators any more, since ZeroMQ can
         # have connected again so quickly that nobody noticed. So a simulator says hello again then.
-        self.last: Any = Message("welcome", 0, {"silence": SILENCE_SECONDS})
+        self.id = 0
+        self.asking: Any = Message("welcome", 0, {"silence": SILENCE_SECONDS})
+        self.last = self.asking.frames()
         self.heard = self.sent = self.asked = self.free_since = self.wanted = time.monotonic()
         self.there = send(self.last)
 
@@ -124,9 +141,12 @@ class Member:
     def go_on(self) -> None:
         """The next request of its episode. A new simulator does all of them again, one after the other."""
         if self.episode and not self.busy and self.done < len(self.episode.requests):
-            number = self.last.id + 1
-            self.last = copy.copy(self.episode.requests[self.done])
-            self.last.id = number
+            self.id += 1
+            request = self.asking = self.episode.requests[self.done]
+            if isinstance(request, Part):
+                self.last = request.frames(self.id)
+            else:
+                self.last = Message(request.kind, self.id, request.values, request.arrays).frames()
             self.busy = True
             self.asked = time.monotonic()
             self.send_last()
@@ -139,7 +159,7 @@ class Member:
     def hears(self, answer: Any) -> bool:
         """Another id is one that came twice: it says no more than that the simulator is there."""
         self.heard = time.monotonic()
-        return self.busy and answer.id == self.last.id
+        return self.busy and answer.id == self.id
 
     def take(self, answer: Any) -> None:
         self.busy = False
@@ -155,37 +175,61 @@ class NotTaken(MessageError):
     """A simulator that the hub does not take; the hub reports it as well."""
 
 
-def size_of(message: Any) -> int:
-    """The memory of a request or an answer, in bytes."""
-    if isinstance(message, Record):
-        parts = [*message.rows, *message.infos, message.options, message.exchange or b""]
-    else:
-        parts = [memoryview(array.data).cast("B") for array in message.arrays]
-    return REQUEST_BYTES + sum(map(len, parts))
+def values_in(answer: Record) -> list[Any]:
+    return [section.values for section in answer.sections]
+
+
+def size_of(request: Any) -> int:
+    """The memory of a request or a hello, in bytes."""
+    if isinstance(request, Part):
+        return REQUEST_BYTES + len(request.frame)
+    return REQUEST_BYTES + sum(memoryview(array.data).nbytes for array in request.arrays)
+
+
+def kinds_in(hello: Message) -> list[dict[str, Any]]:
+    """As the hello has them: pieces.py says how."""
+    tree = pieces.taken(hello.arrays[0].data) if hello.arrays else None
+    kinds = tree.get("kinds") if isinstance(tree, dict) else None
+    if not isinstance(kinds, list) or not all(isinstance(each, dict) and each.get("agents") for each in kinds):
+        raise NotTaken("no-kinds", "a hello has one array, which says what kinds of agents there are")
+    if any(len(pieces.words_of(each.get("name"))) > LONGEST_NAME for each in kinds):
+        raise NotTaken("no-kinds", f"the name of an agent has at most {LONGEST_NAME} letters")
+    return kinds
 
 
 def offer(hello: Message, areas: int) -> Message:
-    """The hello for a trainer."""
-    return Message("hello", 0, {**hello.values, "areas": areas}, hello.arrays)
+    """The hello for a trainer: of several scenes with an agent each it is one scene with as many. Or MessageError."""
+    if areas == 1:
+        return Message("hello", 0, hello.values, hello.arrays)
+    kinds = kinds_in(hello)
+    agents = sum(len(kind["agents"]) for kind in kinds)
+    if agents > 1:
+        cure = "take FleetSocket(…, 1) for an environment of these agents, and several of both"
+        raise MessageError("several-agents", f"a scene of {agents} agents is no row of {areas}: {cure}")
+    name = pieces.words_of(kinds[0]["name"])
+    names = [pieces.text(f"{name}_{number}") for number in range(areas)]
+    tree = pieces.given({"kinds": [{**kinds[0], "agents": names, "at_most": pieces.whole(areas)}]})
+    return Message("hello", 0, hello.values, [Array("uint8", (len(tree),), tree)])
 
 
 def accept(hello: Message, build: str, hello_here: Message | None) -> None:
     """NotTaken unless it is of this build, and like those of its name that are here."""
     # A hello that no trainer could get fails now.
-    offer(hello, MOST_AREAS).frames()
+    offer(hello, 1).frames()
     if size_of(hello) > LARGEST_HELLO_BYTES:
         raise NotTaken("too-big", f"a hello of {size_of(hello)} bytes; the hub takes {LARGEST_HELLO_BYTES}")
-    if not hello.arrays:
-        raise NotTaken("no-spaces", "a hello has the arrays of its spaces")
-    if "areas" in hello.values:
-        raise NotTaken("areas-here", "a simulator of the hub is one world, and not many areas")
-    name = hello.values["name"]
-    other = hello.values.get("build", "1")
+    name, values = f"{hello.values['name']!a:.40}", hello.values
+    if values.get("record") != 2:
+        raise NotTaken("old-record", f"{name} speaks an older kit's record: update its kit, or the hub's")
+    if values.get("clock") != "python":
+        raise NotTaken("scenes-clock", f"{name} goes by its own clock, which no hub repeats: connect it to a trainer")
+    kinds_in(hello)
+    other = values.get("build", "1")
     if other != build:
-        text = f"{name!a:.40} of build {other!a:.20}, this hub takes {build!a:.20}"
+        text = f"{name} of build {other!a:.20}, this hub takes {build!a:.20}"
         raise NotTaken("other-build", f"{text}: use one build everywhere")
     if hello_here and form(hello_here) != form(hello):
-        raise NotTaken("other-spaces", f"{name!a:.40} has another dt here, or other spaces")
+        raise NotTaken("other-spaces", f"{name} has another dt here, or other spaces")
 
 
 def form(hello: Message) -> Any:
@@ -195,7 +239,11 @@ def form(hello: Message) -> Any:
 
 def fits(answer: Any, request: Any) -> bool:
     """Whether it answers this request, be it by a refusal."""
-    if isinstance(answer, Record):
-        return isinstance(request, Record) and len(answer.flags) == 1
-    picture = answer.kind == "picture" and len(answer.arrays) == 1
-    return answer.kind == "error" or (picture and not isinstance(request, Record))
+    if not isinstance(answer, Record):
+        return answer.kind == "error" or (not isinstance(request, Part) and answer.kind == WORDS.get(request.kind))
+    if not isinstance(request, Part) or len(answer.sections) != len(request.rows):
+        return False
+    for section, rows in zip(answer.sections, request.rows, strict=True):
+        if (section.kind, len(section.marks)) != rows or section.columns & ~(FORM | SIZES):
+            return False
+    return True

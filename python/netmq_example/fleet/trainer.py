@@ -19,7 +19,7 @@ import zmq
 from netmq_example import arguments, check
 from netmq_example.envs.common import OtherSide
 from netmq_example.finalizers import finalizer
-from netmq_example.messages import LIMIT, Message, take
+from netmq_example.messages import LIMIT, Message, MessageError, take
 from netmq_example.one_process import OneProcess
 from netmq_example.program import limit
 from netmq_example.trouble import longer
@@ -69,6 +69,9 @@ class FleetSocket(OneProcess, OtherSide):
             self.report_lost(0)
         else:
             message = Message.read(frames)
+            if message.kind == "error" and self.waits and (code := str(message.values.get("code"))) != "unknown-peer":
+                # Of what it has asked for there is none.
+                raise MessageError(code, str(message.values.get("text")))
             if message.kind == "alive":
                 # The environment has no use for it, and to answer it would be taken for a request.
                 if self.waits:

@@ -1,12 +1,13 @@
 """Trainers as the hub sees them: N areas, which are stepped together, each an episode of its own.
 
-    trainer = Trainer("CartPole", 2, send, count, room)  send(message) is False if the trainer is gone
-    trainer.take(request)                                reset, step, render or close, for all areas
+    trainer = Trainer("CartPole", 2, send, count, room)  send(frames) is False if the trainer is gone
+    trainer.take(request)                                a step, a message or close, for all areas
     trainer.under_way()                                  the episodes whose answers are still to come
 
-A trainer's one message for all its areas is split into one for each, and their answers are joined. To a trainer the
-hub is lesson 10's simulator with many areas, and to a simulator it is lesson 09's environment: what the messages hold
-is described there.
+A trainer's one request for all its areas is split into one for each, and their answers are joined. To a trainer the hub
+is one scene with an agent in each area, or with one area the scene that is there, whoever acts in it. To a simulator it
+is an environment, which never asks for more than an episode can be played again with: steps, and resets with a seed.
+So the hub itself begins those anew that have ended, and ends those whose time is up.
 """
 
 import time
@@ -15,9 +16,10 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from netmq_example.fleet.members import MOST_AREAS, Episode, size_of
-from netmq_example.messages import LIMIT, Message, MessageError
-from netmq_example.wire.records import ANSWERS, ASKS, EACH, HEAD, NOTHING, RESET, STEP, Record
+from netmq_example.fleet.exchange import Exchange, Playing
+from netmq_example.fleet.members import MOST_AREAS, Episode, Part, size_of
+from netmq_example.messages import Array, Message, MessageError
+from netmq_example.wire.records import Record
 
 # An episode is kept, so that it can be played again, and so it must end.
 MOST_STEPS = 100_000
@@ -27,7 +29,7 @@ class Trainer:
     """Its request, until all areas have answered it, and its last answer."""
 
     def __init__(
-        self, name: str, areas: int, send: Callable[[Any], bool], count: Counter[str], room: Callable[[], int]
+        self, name: str, areas: int, send: Callable[[list[Any]], bool], count: Counter[str], room: Callable[[], int]
     ) -> None:
         """`room` is how many bytes its episodes may take."""
         if not 0 < areas <= MOST_AREAS:
@@ -41,7 +43,12 @@ class Trainer:
         self.size = 0
         self.episodes: list[Episode | None] = [None] * areas
         self.request: Any = Message("join")
-        self.kept: Any = Message("alive")
+        self.exchange: Exchange | None = None
+        # What its last request was answered with, in frames.
+        self.kept: list[Any] = []
+        # What it has set by side channels, and who plays, where it has one scene.
+        self.parameters: dict[bytes, bytes] = {}
+        self.playing = Playing()
         # The areas whose answers are still to come.
         self.left: set[int] = set()
         # Whether it has got simulators, and when it was sent anything.
@@ -57,36 +64,64 @@ class Trainer:
             return
         if request.kind == "close":
             self.release()
-            self.answer(Message("closed", request.id))
+            self.answer(Message("closed", request.id).frames())
             # Its simulators are for others, also while it stays connected.
             self.there = False
             return
         if self.left:
             # Nothing else changes: the answer to the one under way is still to come.
             error = MessageError("one-at-a-time", f"request {self.request.id} is under way: wait for its answer")
-            self.reply(Message.refusal(error, request.id))
+            self.reply(Message.refusal(error, request.id).frames())
             return
-        self.request = request
+        self.request, self.exchange = request, None
         try:
-            parts = {area: part for area, part in enumerate(split(request, self.areas)) if part}
-            check_parts(self.episodes, parts)
+            if isinstance(request, Record):
+                if not self.episodes[0]:
+                    self.playing = Playing()
+                self.exchange = Exchange(request, self.areas, self.parameters, self.playing)
+            parts = self.exchange.parts if self.exchange else self.words(request)
+            self.check(parts)
             self.size = self.size_with(parts)
         except MessageError as error:
             self.refuse(error)
             return
         self.left = set(parts)
         for area, part in parts.items():
-            episode = self.episodes[area]
-            if episode and not begins(part):
-                episode.ask(part)
-                continue
-            if episode:
-                episode.release()
-            self.count["episodes"] += 1
-            # A row and an info, in a message with those of all areas.
-            self.episodes[area] = Episode(part, partial(self.ready, area), (LIMIT - HEAD.size) // self.areas - EACH)
+            self.ask(area, part)
         if not parts:
-            self.ready(0)
+            self.finish()
+
+    def ask(self, area: int, part: Any) -> None:
+        episode = self.episodes[area]
+        if episode and not begins(part):
+            episode.ask(part)
+            return
+        if episode:
+            episode.release()
+        self.count["episodes"] += 1
+        self.episodes[area] = Episode(part, partial(self.ready, area))
+
+    def words(self, request: Message) -> dict[int, Any]:
+        """What each area is asked in words."""
+        if request.kind == "render" and not request.arrays:
+            return dict.fromkeys(range(self.areas), Message("render"))
+        if request.kind != "info":
+            raise MessageError("unknown-kind", f"kind {request.kind!a:.40} is none of render, info, close")
+        if self.areas > 1:
+            raise MessageError("no-infos", "a hub hands infos on to one scene: FleetSocket(…, 1)")
+        # It is kept, and so it must not keep what it was received in.
+        arrays = [Array(array.dtype, array.shape, bytes(array.data)) for array in request.arrays]
+        return {0: Message("info", 0, request.values, arrays)}
+
+    def check(self, parts: dict[int, Any]) -> None:
+        """MessageError before anything is begun: half a step would be none."""
+        for area, part in parts.items():
+            episode = self.episodes[area]
+            if not episode and not begins(part):
+                raise MessageError("no-episode", f"area {area} was never reset")
+            if episode and not begins(part) and len(episode.requests) > MOST_STEPS:
+                cure = "set max_episode_steps, and reset all agents at once"
+                raise MessageError("too-long", f"an episode has at most {MOST_STEPS} steps: {cure}")
 
     def size_with(self, parts: dict[int, Any]) -> int:
         """MessageError if there is no room for these requests: an episode is kept until the next one begins."""
@@ -105,40 +140,63 @@ class Trainer:
 
     def ready(self, area: int) -> None:
         """An area has answered. After the last one the trainer gets all of it."""
-        self.left.discard(area)
-        if self.left:
+        answer = self.answer_of(area)
+        if self.exchange and isinstance(answer, Record) and (part := self.exchange.again(area, answer)):
+            self.ask(area, part)
             return
-        episodes = [episode for episode in self.episodes if episode]
-        answers = [episode.answer for episode in episodes]
-        for episode in episodes:
+        self.left.discard(area)
+        if not self.left:
+            self.finish()
+
+    def answer_of(self, area: int) -> Any:
+        episode = self.episodes[area]
+        return episode.answer if episode else None
+
+    def finish(self) -> None:
+        answers = {area: episode.answer for area, episode in enumerate(self.episodes) if episode and episode.answer}
+        for area in answers:
             # It is sent once: the next request may be for others.
-            episode.answer = None
-        errors = [answer.values for answer in answers if answer and answer.kind == "error"]
+            self.episodes[area].answer = None  # type: ignore[union-attr]
+        errors = [answer.values for answer in answers.values() if answer.kind == "error"]
         if errors:
-            for area, episode in enumerate(episodes):
-                if not episode.seen:
+            for area, episode in enumerate(self.episodes):
+                if episode and episode.seen is None:
                     # An episode that began with an error is none.
                     episode.release()
                     self.episodes[area] = None
             self.refuse(MessageError(str(errors[0].get("code")), str(errors[0].get("text"))))
-        else:
-            self.answer(joined(self.request, answers, [episode.seen for episode in episodes]))
+            return
+        try:
+            self.answer(self.joined(answers).frames())
+        except MessageError as error:
+            if self.exchange:
+                # The worlds have gone on, and nobody has seen them: the episodes are over.
+                self.release()
+            self.refuse(error)
+
+    def joined(self, answers: dict[int, Any]) -> Any:
+        if self.exchange:
+            return self.exchange.joined(answers)
+        arrays = [array for answer in answers.values() for array in answer.arrays]
+        if self.areas > 1 and len(arrays) != self.areas:
+            raise MessageError("no-picture", f"{len(arrays)} pictures are not one of each of {self.areas} areas")
+        return Message(answers[0].kind, self.request.id, answers[0].values, arrays)
 
     def refuse(self, error: MessageError) -> None:
         self.left.clear()
-        self.answer(Message.refusal(error, self.request.id))
+        self.answer(Message.refusal(error, self.request.id).frames())
 
     def give_up(self, text: str) -> None:
         self.release()
         self.refuse(MessageError("no-simulator", text))
 
-    def answer(self, answer: Any) -> None:
-        self.kept = answer
-        self.reply(answer)
+    def answer(self, frames: list[Any]) -> None:
+        self.kept = frames
+        self.reply(frames)
 
-    def reply(self, message: Any) -> None:
+    def reply(self, frames: list[Any]) -> None:
         self.sent = time.monotonic()
-        self.there = self.send(message)
+        self.there = self.send(frames)
 
     def release(self) -> None:
         """It is gone, or has closed: its simulators are for others."""
@@ -150,46 +208,4 @@ class Trainer:
 
 
 def begins(part: Any) -> bool:
-    return isinstance(part, Record) and part.flags[0] == RESET
-
-
-def check_parts(episodes: list[Episode | None], parts: dict[int, Any]) -> None:
-    """MessageError before anything is begun: half a step would be none."""
-    for area, episode in enumerate(episodes):
-        part = parts.get(area)
-        if not episode and not begins(part):
-            raise MessageError("no-episode", f"area {area} was never reset")
-        if episode and isinstance(part, Record) and part.flags[0] == STEP and len(episode.requests) > MOST_STEPS:
-            raise MessageError("too-long", f"an episode has at most {MOST_STEPS} steps: set max_episode_steps")
-
-
-def split(request: Any, count: int) -> list[Any]:
-    """The request for each area, if there is one."""
-    if isinstance(request, Message):
-        if request.kind == "render" and not request.arrays:
-            return [Message("render") for _ in range(count)]
-        raise MessageError("unknown-kind", f"kind {request.kind!a:.40} is none of reset, step, render, close")
-    if len(request.flags) != count:
-        cure = f"make_vec(…, num_envs={count}), and register a vector_entry_point"
-        raise MessageError("wrong-areas", f"{count} simulators were asked for, and not {len(request.flags)}: {cure}")
-    if request.exchange is not None:
-        cure = "give them a connection of their own, as lesson 13's Carrier"
-        raise MessageError("no-side-channels", f"the hub hands none on: {cure}")
-    options = bytes(request.options)
-    parts: list[Any] = []
-    for area, (order, row) in enumerate(zip(request.flags, request.rows, strict=True)):
-        seed = bytes(request.numbers[8 * area : 8 * area + 8])
-        # It is kept, and so it must not keep the whole request.
-        part = Record(ASKS, 0, seed, [order], [bytes(row)], options=options if order == RESET else b"")
-        parts.append(part if order != NOTHING else None)
-    return parts
-
-
-def joined(request: Any, answers: list[Any], seen: list[bytes]) -> Any:
-    """One answer for all. Of an area that was not asked there is what it saw last."""
-    if isinstance(request, Message):
-        return Message("picture", request.id, {}, [answer.arrays[0] for answer in answers])
-    numbers = b"".join(bytes(answer.numbers) if answer else bytes(8) for answer in answers)
-    flags = [answer.flags[0] if answer else 0 for answer in answers]
-    infos = [answer.infos[0] if answer else b"" for answer in answers]
-    return Record(ANSWERS, request.id, numbers, flags, seen, infos)
+    return isinstance(part, Part) and part.begins
