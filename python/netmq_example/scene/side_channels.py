@@ -1,7 +1,7 @@
 """A simulator whose resets and steps carry side channels; in C# it is SideChannelSimulator.cs.
 
     parameters, stats = EnvironmentParameters(), StatsRecorder()
-    simulator = SideChannelSimulator(Simulator(world), SideChannelManager([parameters, stats]))
+    simulator = SideChannelSimulator(SceneSimulator(scene), SideChannelManager([parameters, stats]))
     EnvironmentClient(endpoint, timeout=20).run(simulator)
 
 What the training sets before a step is there in that step, and what the world records in it comes with its state.
@@ -9,6 +9,7 @@ envs/side_channels.py is the training's end, and records.py says where the excha
 """
 
 from netmq_example import check
+from netmq_example.messages import Message
 from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
 from netmq_example.scene.decorator import SimulatorDecorator
 from netmq_example.scene.simulator import SimulatorBase
@@ -21,6 +22,11 @@ class SideChannelSimulator(SimulatorDecorator):
     def __init__(self, simulator: SimulatorBase, manager: SideChannelManager) -> None:
         super().__init__(simulator)
         self.manager = check.instance("manager", manager, SideChannelManager)
+
+    def describe(self) -> Message:
+        hello = super().describe()
+        hello.values["channels"] = True
+        return hello
 
     def do(self, request: Record) -> Record:
         if request.exchange is not None:

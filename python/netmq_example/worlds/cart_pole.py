@@ -1,6 +1,7 @@
-"""A pole on a cart that is pushed left or right: an example of a Simulation.
+"""A pole on a cart that is pushed left or right: an example of an Agent in code.
 
-    Simulator(CartPole())          an action is 0, left, or 1, right; seen are place, speed, angle and turning
+    run(Scene("CartPole", [CartPole()], DT))        an action is 0, left, or 1, right; seen are the cart's place and speed,
+                                                    and the pole's angle and turning
 
 Lengths are in metres, angles in radians, forces in newtons, masses in kilograms. The equations are those of Gymnasium's
 CartPole-v1 (Barto, Sutton and Anderson, 1983; Florian, 2007): from the same state, the same actions lead to the same
@@ -9,15 +10,16 @@ not to all. In C# it is CartPole.cs.
 """
 
 import math
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from gymnasium.spaces import Box, Discrete
 
 from netmq_example.messages import MessageError
-from netmq_example.scene.simulation import Simulation
+from netmq_example.scene.agent import Agent
 
+# Seconds of a step.
+DT = 0.02
 GRAVITY = 9.8
 FORCE = 10.0
 CART_MASS = 1.0
@@ -31,48 +33,50 @@ WIDTH, HEIGHT = 300, 200
 SCALE = 60
 
 
-class CartPole(Simulation):
+# Twice as far as an episode goes, so that its last observation is in the space as well. Any finite speed: of an
+# infinite one Gymnasium's checker warns.
+ANY_SPEED = np.finfo(np.float32).max
+MOST = np.array([2 * TRACK, ANY_SPEED, 2 * FALL, ANY_SPEED], np.float32)
+
+
+class CartPole(Agent):
     """`low` and `high` are options of a reset: between them lie the four numbers in which an episode begins."""
 
-    name = "CartPole"
-    dt = 0.02
-    size = 4
+    state_size = 4
+    observation = Box(-MOST, MOST, dtype=np.float32)
     action = Discrete(2)
+    place = speed = angle = turning = push = 0.0
 
-    def __init__(self) -> None:
-        # Twice as far as an episode goes, so that its last observation is in the space as well. Any finite speed: of
-        # an infinite one Gymnasium's checker warns.
-        any_speed = np.finfo(np.float32).max
-        most = np.array([2 * TRACK, any_speed, 2 * FALL, any_speed], np.float32)
-        self.observation = Box(-most, most, dtype=np.float32)
-        self.place = self.speed = self.angle = self.turning = 0.0
-
-    def reset(self, rng: Iterator[float], options: dict[str, Any], state: list[float]) -> None:
-        low, high = options.get("low", -0.05), options.get("high", 0.05)
+    def on_reset(self) -> None:
+        low, high = self.options.get("low", -0.05), self.options.get("high", 0.05)
         if isinstance(low, str) or isinstance(high, str):
             raise MessageError("bad-option", "low and high are numbers, between which an episode begins")
-        drawn = [low + (high - low) * next(rng) for _ in range(4)]
-        self.place, self.speed, self.angle, self.turning = state or drawn
+        drawn = [low + (high - low) * self.rng() for _ in range(4)]
+        self.place, self.speed, self.angle, self.turning = self.state or drawn
+        self.push = 0.0
 
-    def apply(self, action: Any) -> None:
+    def on_action(self, action: Any) -> None:
+        self.push = FORCE if action == 1 else -FORCE
+
+    def on_tick(self, dt: float) -> None:
         sine, cosine = math.sin(self.angle), math.cos(self.angle)
         mass = CART_MASS + POLE_MASS
-        push = (FORCE if action == 1 else -FORCE) + POLE_MASS * HALF_LENGTH * (self.turning * self.turning) * sine
+        push = self.push + POLE_MASS * HALF_LENGTH * (self.turning * self.turning) * sine
         forward = push / mass
         inertia = HALF_LENGTH * (4 / 3 - POLE_MASS * (cosine * cosine) / mass)
         around = (GRAVITY * sine - cosine * forward) / inertia
         forward -= POLE_MASS * HALF_LENGTH * around * cosine / mass
-        self.place += self.dt * self.speed
-        self.speed += self.dt * forward
-        self.angle += self.dt * self.turning
-        self.turning += self.dt * around
+        self.place += dt * self.speed
+        self.speed += dt * forward
+        self.angle += dt * self.turning
+        self.turning += dt * around
+
+    def on_stepped(self) -> None:
+        self.reward += 1.0
+        self.terminated = abs(self.place) > TRACK or abs(self.angle) > FALL
 
     def observe(self) -> Any:
         return np.array([self.place, self.speed, self.angle, self.turning], np.float32)
-
-    def reward_and_end(self) -> dict[str, Any]:
-        over = abs(self.place) > TRACK or abs(self.angle) > FALL
-        return {"reward": 1.0, "terminated": over, "truncated": False}
 
     def render(self) -> Any:
         picture = np.full((HEIGHT, WIDTH, 3), 255, np.uint8)

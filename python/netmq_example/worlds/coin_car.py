@@ -1,7 +1,6 @@
 """A car that collects coins on a field of 10 by 10 m. Its fields say what is seen of it.
 
-    car = CoinCar("agent")
-    SceneSimulator("Coins", 0.1, [car])
+    run(Scene("Coins", [CoinCar()], dt=0.1))
 
 An action is {"push": float32 [2] from -1 to 1, "boost": 0 or 1}. Each coin is a reward of 1, each tick costs 0.01, and
 with the last coin the episode ends. In C# it is CoinCar.cs, which sees the same to the last byte. It needs numpy.
@@ -11,7 +10,7 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from netmq_example.scene.scene import Agent, Obs
+from netmq_example.scene.agent import Agent, Obs
 
 FIELD_METRES = 10.0
 COINS = 3
@@ -29,7 +28,7 @@ class CoinCar(Agent):
     boost: Annotated[int, Obs(".last.boost")] = 0
     picture: Annotated[Any, Obs(".camera")]
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str = "agent") -> None:
         super().__init__(name)
         self.x = self.y = 0.0
         self.spots: list[tuple[float, float]] = []
@@ -37,7 +36,7 @@ class CoinCar(Agent):
 
     def on_reset(self) -> None:
         self.x = self.y = FIELD_METRES / 2
-        self.spots = [(1 + 8 * next(self.rng), 1 + 8 * next(self.rng)) for _ in range(COINS)]
+        self.spots = [(1 + 8 * self.rng(), 1 + 8 * self.rng()) for _ in range(COINS)]
         self.push = np.zeros(2, np.float32)
         self.boost = 0
         self.says = ""
@@ -58,7 +57,7 @@ class CoinCar(Agent):
             self.spots.remove(spot)
             self.reward += 1
             self.says = f"coin {COINS - len(self.spots)} after {self.steps} steps"
-            self.infos.append(self.says)
+            self.send_info(self.says)
         self.terminated = not self.spots
         self.look()
 

@@ -1,22 +1,24 @@
-"""Three hunters, two rabbits, and a meadow with a fence: an example of an AgentSimulation.
+"""Three hunters, two rabbits, and a meadow with a fence: an example of a Scene with a world of its own.
 
-    AgentSimulator(Pursuit())          an action is 0, to rest, or 1 to 4, to run left, right, down or up
+    run(Pursuit())          an action is 0, to rest, or 1 to 4, to run left, right, down or up
 
 Rabbits are faster, so hunters must drive them into a corner. A hunter who runs tires, and one without energy is out; a
-rabbit that is caught is out as well. The game ends when all rabbits are caught, or no hunter is left. C# and Python
-give the same numbers to the last bit: there is nothing but plus, minus, times, divide and square root. In C# it is
-Pursuit.cs.
+rabbit that is caught is out as well. The game ends when all rabbits are caught, or no hunter is left. All move at once:
+a player remembers in on_action what it wants, and the world moves them in its on_tick. C# and Python give the same
+numbers to the last bit: there is nothing but plus, minus, times, divide and square root. In C# it is Pursuit.cs.
 """
 
 import math
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from gymnasium.spaces import Box, Discrete
 
-from netmq_example.scene.simulation import AgentSimulation
+from netmq_example.scene.agent import Agent
+from netmq_example.scene.scene import Scene
+from netmq_example.wire.split_mix import Draws
 
+NAMES = ["hunter_0", "hunter_1", "hunter_2", "rabbit_0", "rabbit_1"]
 # The world goes from -1 to 1, both ways; in one step a hunter comes so far, and a rabbit.
 RUN = {"hunter": 0.05, "rabbit": 0.06}
 # Nearer than this a rabbit is caught.
@@ -31,81 +33,102 @@ SIZE = 200
 COLOURS = {"hunter": (180, 40, 40), "rabbit": (240, 240, 240)}
 
 
-class Pursuit(AgentSimulation):
-    """An agent sees its own place and energy; then of each of the others, in the order of the names, where it is from
-    here, and 1 as long as it is in the game.
+class Player(Agent):
+    """It sees its own place and energy; then of each of the others, in the order of the names, where it is from here,
+    and 1 as long as it is in the game.
     """
 
-    name = "Pursuit"
-    dt = 0.1
+    observation = Box(-2, 2, (3 * len(NAMES),), np.float32)
+    action = Discrete(len(WAYS))
 
-    def __init__(self) -> None:
-        super().__init__()
-        names = ["hunter_0", "hunter_1", "hunter_2", "rabbit_0", "rabbit_1"]
-        seen = Box(-2, 2, (3 * len(names),), np.float32)
-        self.agents = {name: (seen, Discrete(len(WAYS))) for name in names}
-        self.place = dict.fromkeys(names, (0.0, 0.0))
-        self.energy = dict.fromkeys(names, 1.0)
-        self.reward = dict.fromkeys(names, 0.0)
-        self.living: list[str] = []
-        self.gone: list[str] = []
+    def __init__(self, world: "Pursuit", name: str) -> None:
+        super().__init__(name)
+        self.world = world
+        self.kind = name[:6]
+        self.x = self.y = self.earned = 0.0
+        self.energy = 1.0
+        self.lives = False
+        self.placed = False
+        # Before its first action it has none, and stays.
+        self.way: int | None = None
 
-    def reset(self, rng: Iterator[float], options: dict[str, Any]) -> None:
-        for name in self.agents:
-            self.place[name] = (2 * next(rng) - 1, 2 * next(rng) - 1)
-            self.energy[name] = 1.0
-            self.reward[name] = 0.0
-        self.living = list(self.agents)
-        self.gone = []
+    def on_reset(self) -> None:
+        # Who begins anew while the others go on has no place from the world.
+        if not self.placed:
+            self.place(self.rng)
+        self.placed = False
 
-    def apply(self, actions: dict[str, Any]) -> None:
-        for name, action in actions.items():
-            self.move(name, *WAYS[action])
-            self.reward[name] = 0.01 if name.startswith("rabbit") else -0.01
-            if name.startswith("hunter"):
-                self.energy[name] = max(0.0, self.energy[name] - (RUNNING if action else RESTING))
-        self.gone = [name for name in self.hunters() if self.energy[name] <= 0]
-        for rabbit in self.rabbits():
-            near = [name for name in self.hunters() if self.distance(name, rabbit) < REACH]
-            for hunter in near:
-                self.reward[hunter] += 10 / len(near)
-            if near:
-                self.reward[rabbit] = -10.0
-                self.gone.append(rabbit)
-                self.infos.send("", {"caught": rabbit, "by": near[0]})
-        self.living = [name for name in self.living if name not in self.gone]
+    def place(self, rng: Draws) -> None:
+        self.x, self.y = 2 * rng() - 1, 2 * rng() - 1
+        self.energy = 1.0
+        self.lives = self.placed = True
+        self.way = None
 
-    def move(self, name: str, right: int, up: int) -> None:
-        x, y = self.place[name]
-        far = RUN[name[:6]]
-        self.place[name] = (min(1.0, max(-1.0, x + right * far)), min(1.0, max(-1.0, y + up * far)))
+    def on_action(self, action: Any) -> None:
+        self.way = int(action)
 
-    def distance(self, one: str, other: str) -> float:
-        x, y = (a - b for a, b in zip(self.place[one], self.place[other], strict=True))
-        return math.sqrt(x * x + y * y)
+    def move(self) -> None:
+        if self.way is None:
+            return
+        right, up = WAYS[self.way]
+        far = RUN[self.kind]
+        self.x, self.y = (min(1.0, max(-1.0, at + way * far)) for at, way in ((self.x, right), (self.y, up)))
+        self.earned = 0.01
+        if self.kind == "hunter":
+            self.earned = -0.01
+            self.energy = max(0.0, self.energy - (RUNNING if self.way else RESTING))
 
-    def hunters(self) -> list[str]:
-        return [name for name in self.living if name.startswith("hunter")]
-
-    def rabbits(self) -> list[str]:
-        return [name for name in self.living if name.startswith("rabbit")]
-
-    def observe(self, agent: str) -> Any:
-        x, y = self.place[agent]
-        numbers = [x, y, self.energy[agent]]
-        for name, (far, high) in self.place.items():
-            if name != agent:
-                numbers += [far - x, high - y, float(name in self.living)]
+    def observe(self) -> Any:
+        numbers = [self.x, self.y, self.energy]
+        for other in self.world.players:
+            if other is not self:
+                numbers += [other.x - self.x, other.y - self.y, float(other.lives)]
         return np.array(numbers, np.float32)
 
-    def reward_and_end(self, agent: str) -> dict[str, Any]:
-        over = agent in self.gone or not self.hunters() or not self.rabbits()
-        return {"reward": self.reward[agent], "terminated": over, "truncated": False}
+
+class Pursuit(Scene):
+    def __init__(self) -> None:
+        self.players = [Player(self, name) for name in NAMES]
+        super().__init__("Pursuit", self.players, dt=0.1)
+
+    def on_reset(self, rng: Draws, options: dict[str, Any]) -> None:
+        for player in self.players:
+            player.place(rng)
+
+    def living(self, kind: str) -> list[Player]:
+        return [player for player in self.players if player.lives and player.kind == kind]
+
+    def on_tick(self, dt: float) -> None:
+        players = [player for player in self.players if player.lives]
+        for player in players:
+            player.move()
+        gone = [hunter for hunter in self.living("hunter") if hunter.energy <= 0]
+        for rabbit in self.living("rabbit"):
+            near = [hunter for hunter in self.living("hunter") if distance(hunter, rabbit) < REACH]
+            for hunter in near:
+                hunter.earned += 10 / len(near)
+            if near:
+                rabbit.earned = -10.0
+                gone.append(rabbit)
+                self.send_info({"caught": rabbit.name, "by": near[0].name})
+        for player in gone:
+            player.lives = False
+        over = not self.living("hunter") or not self.living("rabbit")
+        for player in players:
+            player.reward += player.earned
+            player.earned = 0.0
+            player.terminated = over or not player.lives
 
     def render(self) -> Any:
         picture = np.full((SIZE, SIZE, 3), (90, 140, 70), np.uint8)
-        for name in self.living:
-            x, y = (int((1 + number) * (SIZE - 1) / 2) for number in self.place[name])
-            row = SIZE - 1 - y
-            picture[max(0, row - 4) : row + 5, max(0, x - 4) : x + 5] = COLOURS[name[:6]]
+        for player in self.players:
+            if player.lives:
+                x, y = (int((1 + number) * (SIZE - 1) / 2) for number in (player.x, player.y))
+                row = SIZE - 1 - y
+                picture[max(0, row - 4) : row + 5, max(0, x - 4) : x + 5] = COLOURS[player.kind]
         return picture
+
+
+def distance(one: Player, other: Player) -> float:
+    x, y = one.x - other.x, one.y - other.y
+    return math.sqrt(x * x + y * y)

@@ -1,0 +1,155 @@
+"""Agents of one kind, which have one name but for a number: their rows, and the bytes of what they do and see.
+
+An action or an observation is as its space says (wire/spaces.py); where Python's side says the space, it is a value,
+or locators with a value each (wire/trees.py). It needs gymnasium and numpy.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from netmq_example import check
+from netmq_example.messages import MessageError
+from netmq_example.scene.agent import Agent
+from netmq_example.wire import trees
+from netmq_example.wire.records import ASKS, FORM, Section, with_sizes
+from netmq_example.wire.space_bytes import Bytes
+from netmq_example.wire.spaces import REASONS, Numbers, described, misfit
+
+
+class Kind:
+    """`names` are all that there may be; `first` is the number of the first of them among all agents."""
+
+    def __init__(self, number: int, name: str, names: list[str], first: int, model: Agent) -> None:
+        self.number = number
+        self.name = name
+        self.names = names
+        self.first = first
+        self.model = model
+        self.period = check.count("period", model.period)
+        self.state_size = check.count("state_size", model.state_size, least=0)
+        self.action = None if model.action is None else Bytes(model.action)
+        self.observation = None if model.observation is None else Bytes(model.observation)
+        self.in_code = type(model).observe is not Agent.observe
+        count = len(names)
+        # Who is there, and who was there last; whose episode goes on, and who has come and not begun.
+        self.present: list[Agent | None] = [None] * count
+        self.last: list[Agent | None] = [None] * count
+        self.begun = [False] * count
+        self.fresh: set[int] = set()
+
+    def described(self) -> dict[str, Any]:
+        """As the hello has it."""
+        spaces = [one and described(one.space) for one in (self.observation, self.action)]
+        return {
+            "name": self.name,
+            "team": 0,
+            "agents": self.names,
+            "at_most": len(self.names),
+            "period": self.period,
+            "observation": spaces[0],
+            "action": spaces[1],
+            "sensors": [],
+            "branches": None,
+            "groups": False,
+        }
+
+    def like(self, agent: Agent) -> None:
+        """ValueError if an agent is of another kind, in spite of its name."""
+        model = self.model
+        for what in ("period", "state_size", "observation", "action"):
+            if getattr(agent, what) != getattr(model, what):
+                both = f"{model.name} and {agent.name} are of one kind, {self.name}, but have another {what}"
+                raise ValueError(f"{both}: {getattr(model, what)!s:.60} and {getattr(agent, what)!s:.60}")
+
+    def actions(self, section: Section) -> list[Any]:
+        """One for each row that acts. MessageError says what is none."""
+        rows = section.rows(ASKS)
+        asked = [row for row in rows if row is not None]
+        if self.action is None:
+            if section.columns & FORM:
+                form = trees.SIZE.pack(len(section.form)) + section.form
+                asked = [form + bytes(row) for row in asked]
+            values = [trees.read(row) for row in asked]
+        else:
+            values = read_rows(self.action, asked)
+        each = iter(values)
+        return [None if row is None else next(each) for row in rows]
+
+    def seen(self, agents: list[Agent]) -> list[bytes]:
+        """What these see now, of an agent in code."""
+        if self.observation is None:
+            return [trees.write_pairs([("@ = $", agent.observe())]) for agent in agents]
+        codec = self.observation.codec
+        if not isinstance(codec, Numbers):
+            return [write_row(self.observation, agent.observe()) for agent in agents]
+        block = np.empty((len(agents), *codec.shape), codec.dtype)
+        for at, agent in enumerate(agents):
+            value = agent.observe()
+            # Of the space as it is, as a rule.
+            if type(value) is not np.ndarray or value.dtype != codec.dtype or value.shape != codec.shape:
+                value = fitting(codec, value)
+            block[at] = value
+        try:
+            codec.check(block)
+        except MessageError:
+            for row in block:
+                codec.check(row)
+        data = block.tobytes()
+        return (
+            [data[at : at + codec.size] for at in range(0, len(data), codec.size)]
+            if codec.size
+            else [b""] * len(agents)
+        )
+
+
+def read_rows(space: Bytes, rows: list[Any]) -> list[Any]:
+    codec = space.codec
+    if not isinstance(codec, Numbers) or not codec.size or len(rows) < 2 or any(len(row) != codec.size for row in rows):
+        return [space.read(row) for row in rows]
+    try:
+        return list(codec.read_block(np.frombuffer(b"".join(rows), np.uint8).reshape(len(rows), codec.size), 0))
+    except MessageError:
+        # One of them is wrong, which names itself.
+        return [space.read(row) for row in rows]
+
+
+def write_row(space: Bytes, value: Any) -> bytes:
+    """What an agent sees, which must be in its space."""
+    try:
+        row = space.write(value)
+    except MessageError:
+        raise
+    except REASONS as error:
+        text = " ".join(f"{value!r:.80} is not in {space.space}: {error!s:.80}".split())
+        raise MessageError("not-in-space", text) from None
+    space.read(row)
+    return row
+
+
+def fitting(codec: Numbers, value: Any) -> Any:
+    """An array of the space's own shape and dtype, whatever numbers are given."""
+    try:
+        items = codec.exact(value)
+    except MessageError:
+        raise
+    except REASONS as error:
+        raise MessageError("not-in-space", f"{error!s:.80}: it is not in {codec.space}") from None
+    if items.shape != codec.shape:
+        raise misfit(items, codec.space)
+    return items
+
+
+def with_rows(section: Section, rows: list[bytes], trees_of_pairs: bool) -> Section:
+    """The same section with these rows. Locators with values have one form as a rule, which then stands there once."""
+    if not trees_of_pairs or not rows:
+        return with_sizes(section, rows)
+    end = trees.SIZE.size + trees.SIZE.unpack_from(rows[0])[0]
+    size = len(rows[0])
+    form = rows[0][:end]
+    if any(len(row) != size or row[:end] != form for row in rows):
+        return with_sizes(section, rows)
+    section.columns |= FORM
+    section.form = form[trees.SIZE.size :]
+    section.values = b"".join(row[end:] for row in rows)
+    return section

@@ -1,0 +1,162 @@
+"""Who has which row of a scene. Names are decided at the hello; from then on agents come and go. It needs gymnasium."""
+
+import re
+from collections.abc import Iterator
+from operator import is_
+from typing import Any
+
+from netmq_example.locator import Locator, ordinal
+from netmq_example.messages import MessageError
+from netmq_example.scene.agent import Agent, declared, seen_by
+from netmq_example.scene.kind import Kind
+from netmq_example.scene.scene import Scene, check_agent
+
+
+def parted(name: str) -> tuple[str, int | None]:
+    """fish_3 is number 3 of fish."""
+    found = re.fullmatch(r"(.+)_(0|[1-9]\d{0,8})", name)
+    return (found[1], int(found[2])) if found else (name, None)
+
+
+class Roster:
+    """The kinds of a scene, in the order of its agents; ValueError says which agents cannot be in one scene."""
+
+    def __init__(self, scene: Scene, before: "Roster | None" = None) -> None:
+        self.scene = scene
+        self.kinds: list[Kind] = []
+        self.places: dict[int, tuple[Kind, int]] = {}
+        self.sources: dict[int, list[tuple[str, Agent, str]]] = {}
+        self.now: list[Agent] = []
+        # Also those that have left, and may come back.
+        known = [agent for kind in before.kinds for agent in kind.last if agent] if before else []
+        agents = known + [agent for agent in scene.agents if not any(one is agent for one in known)]
+        groups: dict[str, list[Agent]] = {}
+        for agent in agents:
+            groups.setdefault(parted(agent.name)[0], []).append(agent)
+        for name in scene.at_most:
+            if name not in groups:
+                raise ValueError(f"at_most takes names of agents, and {name!r:.40} is none of {', '.join(groups)}")
+        first = 0
+        for name, members in groups.items():
+            self.kinds.append(kind_of(len(self.kinds), name, members, first, scene.at_most.get(name, 0)))
+            first += len(self.kinds[-1].names)
+        self.sync()
+        for kind in self.kinds:
+            # They are there from the beginning, and have come from nowhere.
+            kind.fresh.clear()
+        self.check_sources()
+
+    def __iter__(self) -> Iterator[Kind]:
+        return iter(self.kinds)
+
+    def sync(self) -> None:
+        """Looks who is there. MessageError says why somebody cannot be."""
+        agents = self.scene.agents
+        if len(agents) == len(self.now) and all(map(is_, agents, self.now)):
+            return
+        here = {id(check_agent(agent)) for agent in agents}
+        if len(here) < len(agents):
+            twice = next(one for at, one in enumerate(agents) if any(one is other for other in agents[:at]))
+            raise MessageError("two-agents", f"{twice.name} is in the scene twice: each row is an agent of its own")
+        for kind in self.kinds:
+            for row, agent in enumerate(kind.present):
+                if agent is not None and id(agent) not in here:
+                    kind.present[row] = None
+                    kind.fresh.discard(row)
+        # Those with a number of their own first: the others take what is left.
+        for agent in sorted(agents, key=lambda one: parted(one.name)[1] is None):
+            kind, row = self.place(agent)
+            if kind.present[row] is not agent:
+                kind.present[row] = kind.last[row] = agent
+                kind.begun[row] = False
+                kind.fresh.add(row)
+                agent.name = kind.names[row]
+                self.places[id(agent)] = kind, row
+        self.now = list(agents)
+        self.sources = {}
+
+    def place(self, agent: Agent) -> tuple[Kind, int]:
+        place = self.places.get(id(agent))
+        if place and place[0].last[place[1]] is agent:
+            return place
+        base, _ = parted(agent.name)
+        for kind in self.kinds:
+            if kind.name == base:
+                break
+        else:
+            known = ", ".join(kind.name for kind in self.kinds) or "none"
+            raise MessageError("no-space", f"nobody has a row for {agent.name!a:.40}: at the hello there were {known}")
+        try:
+            kind.like(agent)
+        except ValueError as error:
+            raise MessageError("no-space", str(error)) from None
+        if agent.name in kind.names:
+            row = kind.names.index(agent.name)
+            if kind.present[row] is not None:
+                raise MessageError("two-agents", f"2 agents are named {agent.name!r}: each needs a name of its own")
+            return kind, row
+        # The next free number; that of one who has left only where there is no other.
+        for rows in (kind.last, kind.present):
+            for row, one in enumerate(rows):
+                if one is None and kind.present[row] is None:
+                    return kind, row
+        most = len(kind.names)
+        cure = f"at_most={{{kind.name!r}: {most + 1}}}, in Unity raise At Most in GymManager"
+        raise MessageError("no-space", f"there are {most} agents of {kind.name} already, and no more may come: {cure}")
+
+    def check_sources(self) -> None:
+        """Nothing goes by attributes into what somebody else's code says."""
+        in_code = {name for kind in self.kinds if kind.in_code for name in kind.names}
+        for agent in self.scene.agents:
+            for locator, field in declared(type(agent), agent.name):
+                for name in sorted(in_code.intersection(explicit(locator))):
+                    where = f"{type(agent).__name__}.{field} goes into what {name} sees"
+                    raise ValueError(f"{where}, whose own observe says that: leave out the one or the other")
+        for kind in self.kinds:
+            if kind.observation and not kind.in_code and not any(map(self.pairs, filter(None, kind.present))):
+                raise ValueError(
+                    f"nothing says what {kind.names[0]} sees: write its observe, or mark fields with Obs()"
+                )
+
+    def find(self, name: str) -> Agent:
+        for kind in self.kinds:
+            if name in kind.names and (agent := kind.present[kind.names.index(name)]):
+                return agent
+        known = ", ".join(agent.name for agent in self.scene.agents) or "none"
+        raise MessageError("unknown-agent", f"no agent is named {name!r:.40}; there are: {known}")
+
+    def pairs(self, agent: Agent) -> list[tuple[str, Any]]:
+        """Locators, and what stands there now: the whole of a thing before its parts, the same in every language."""
+        sources = self.sources.get(id(agent))
+        if sources is None:
+            found = [
+                (locator.text, seen_by(agent.name, locator), other, field)
+                for other in self.scene.agents
+                for locator, field in declared(type(other), other.name)
+                if any(mapping.names(agent.name) for mapping in locator.mappings)
+            ]
+            found.sort(key=lambda one: ordinal(one[0]))
+            sources = self.sources[id(agent)] = [one[1:] for one in found]
+        return [(text, getattr(other, field)) for text, other, field in sources]
+
+
+def explicit(locator: Locator) -> set[str]:
+    return {name for one in locator.mappings if not one.everyone for name in one.agents}
+
+
+def kind_of(number: int, base: str, members: list[Agent], first: int, at_most: int) -> Kind:
+    """Its names: one agent alone keeps its own, several are numbered."""
+    most = max(at_most, len(members))
+    if 0 < at_most < len(members):
+        raise ValueError(f"no-space: there are {len(members)} agents of {base}: write at_most={{{base!r}: {most}}}")
+    taken = [found for agent in members if (found := parted(agent.name)[1]) is not None]
+    if len(set(taken)) < len(taken):
+        all_names = ", ".join(repr(agent.name) for agent in members)
+        raise ValueError(f"two agents have one name: {all_names}; each needs a name of its own")
+    free = (each for each in range(most + len(taken)) if each not in taken)
+    numbers = sorted(taken + [next(free) for _ in range(most - len(taken))])
+    names = [f"{base}_{each}" for each in numbers] if most > 1 or taken else [base]
+    kind = Kind(number, base, names, first, members[0])
+    for agent in members:
+        kind.like(agent)
+    return kind
