@@ -54,8 +54,20 @@ STEPS = [
     Contender(BARE.label, "trainer", "echo", "", "gymnasium"),
     Contender("lesson 09, C#", "trainer", "csharp", "", "gymnasium"),
     Contender("lesson 09, Python both sides", "trainer", "python", "", "gymnasium"),
-    Contender("Gymnasium's own, 16 in process", "trainer", "own@16", "", "gymnasium"),
-    Contender("lesson 10, 16 areas, C#", "trainer", "csharp@16", "", "gymnasium"),
+    *(
+        Contender(label.format(count), "trainer", f"{name}@{count}", "", package)
+        for count in (16, 64, 256)
+        for label, name, package in (
+            ("Gymnasium's own, {} in process", "own", "gymnasium"),
+            (BARE.label + ", {} agents' bytes", "echo", "gymnasium"),
+            ("lesson 10, {} agents, C#", "csharp", "gymnasium"),
+        )
+    ),
+    *(
+        Contender(label.format(count), "trainer", f"{name}@{count}", "", "stable-baselines3")
+        for count in (16, 64)
+        for label, name in (("DummyVecEnv, {} in process", "dummy"), ("UnityVecEnv, {} agents, C#", "sb3"))
+    ),
     Contender("lesson 11, C#", "trainer", "coins", "", "gymnasium"),
     Contender("lesson 11, 16 agents, C#", "trainer", "coins@16", "", "gymnasium"),
     Contender("lesson 09, in frames", "trainer", "player", "", "gymnasium"),

@@ -5,8 +5,10 @@
 steps own SECONDS            Gymnasium's own CartPole-v1, in this process
 steps own@16 SECONDS         sixteen of them, one after the other, as SyncVectorEnv steps them
 steps echo SECONDS           no environment: a DEALER in C# answers with as many bytes as a step and its answer have
+steps echo@16 SECONDS        the bytes of sixteen agents in one message
 steps csharp SECONDS         lesson 09's simulator in C#; steps python the one in Python
-steps csharp@16 SECONDS      lesson 10's, with 16 areas in one message
+steps csharp@16 SECONDS      lesson 10's, with 16 agents in one message
+steps dummy@16 SECONDS       Stable-Baselines3's DummyVecEnv, in this process; steps sb3@16 its UnityVecEnv
 steps player SECONDS         lesson 09's, as Unity steps it: in frames
 steps player+5 SECONDS       the same, while Python thinks for 5 ms after each step
 steps async@2 SECONDS        two of these, side by side; steps sync@4 four, one after the other
@@ -32,7 +34,7 @@ import zmq  # noqa: E402
 from collector import ACTION, seen_space  # noqa: E402
 
 import netmq_example.envs  # noqa: E402, F401, it registers the environments.
-from netmq_example.wire.records import ANSWERS, ASKS, STEP, Record, rewards, seeds  # noqa: E402
+from netmq_example.wire.records import ANSWERS, ASKS, SEEN, STEP, Record, Section  # noqa: E402
 
 CONSOLE, LAB = sys.argv[1:3]
 
@@ -40,23 +42,26 @@ CONSOLE, LAB = sys.argv[1:3]
 class Echo:
     """ZeroMQ alone, with as many bytes."""
 
-    def __init__(self) -> None:
+    def __init__(self, count: int) -> None:
+        self.num_envs = count
         self.context = zmq.Context()
         self.socket = self.context.socket(zmq.ROUTER)
         port = self.socket.bind_to_random_port("tcp://127.0.0.1")
-        answer = Record(ANSWERS, 1, rewards([1.0]), [0], [bytes(16)])
+        numbers = bytes(8 * count)
+        answer = Record(ANSWERS, 1, [Section(0, numbers, bytes([SEEN]) * count, values=bytes(16 * count))])
         words = ["dotnet", LAB, "respond", f"tcp://127.0.0.1:{port}", str(len(answer.frame()))]
         self.program = subprocess.Popen(words, stdin=subprocess.PIPE)
         self.peer, _ = self.socket.recv_multipart()
-        self.request = Record(ASKS, 1, seeds([0]), [STEP], [bytes(8)]).frame()
+        self.request = Record(ASKS, 1, [Section(0, numbers, bytes([STEP]) * count, values=bytes(8 * count))]).frame()
+        self.seen = np.zeros((count, 4) if count > 1 else 4)
 
     def reset(self, seed: int | None = None) -> tuple[Any, Any]:
-        return np.zeros(4), {}
+        return self.seen, {}
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, Any]:
         self.socket.send_multipart([self.peer, self.request])
         self.socket.recv_multipart()
-        return np.zeros(4), 0.0, False, False, {}
+        return self.seen, 0.0, False, False, {}
 
     def close(self) -> None:
         # Its standard input ends, and so does it.
@@ -69,9 +74,11 @@ def make(name: str) -> Any:
     where, _, count = name.partition("@")
     pole = "NetMQExample/CartPole-v0"
     if where == "echo":
-        return Echo()
+        return Echo(int(count or 1))
     if where == "own":
         return gymnasium.make_vec("CartPole-v1", int(count), "sync") if count else gymnasium.make("CartPole-v1")
+    if where in ("dummy", "sb3"):
+        return LearnersEnv(where, int(count))
     if where == "coins":
         options: dict[str, Any] = {"env_name": "Coins", "observation_space": seen_space(False), "action_space": ACTION}
         options["launch"] = ["dotnet", CONSOLE, "11", *(["--agents", count] if count else [])]
@@ -81,10 +88,39 @@ def make(name: str) -> Any:
     if where in ("async", "sync"):
         return gymnasium.make_vec(pole, int(count), where, launch=player)
     if where == "csharp" and count:
-        words = ["dotnet", CONSOLE, "10", "--world", "CartPole", "--areas", count]
-        return gymnasium.make_vec(pole, int(count), launch=words)
+        return gymnasium.make_vec(pole, int(count), launch=many(count))
     python = [sys.executable, str(ROOT / "python" / "09_environment" / "client.py")]
     return gymnasium.make(pole, launch={"python": python, "csharp": player[:-1]}.get(where, player))
+
+
+def many(count: Any) -> list[str]:
+    return ["dotnet", CONSOLE, "10", "--world", "CartPole", "--areas", str(count)]
+
+
+class LearnersEnv:
+    """A VecEnv of Stable-Baselines3, with the words of Gymnasium."""
+
+    def __init__(self, where: str, count: int) -> None:
+        self.num_envs = count
+        if where == "sb3":
+            from netmq_example.sb3 import UnityVecEnv
+
+            self.envs = UnityVecEnv("NetMQExample/CartPole-v0", count, launch=many(count))
+        else:
+            from stable_baselines3.common.vec_env import DummyVecEnv
+
+            self.envs = DummyVecEnv([lambda: gymnasium.make("CartPole-v1")] * count)
+
+    def reset(self, seed: int | None = None) -> tuple[Any, Any]:
+        self.envs.seed(seed)
+        return self.envs.reset(), {}
+
+    def step(self, actions: Any) -> tuple[Any, Any, Any, Any, Any]:
+        seen, rewards, over, infos = self.envs.step(actions)
+        return seen, rewards, over, over, infos
+
+    def close(self) -> None:
+        self.envs.close()
 
 
 def policy(env: Any, seen: Any) -> Any:
