@@ -112,13 +112,8 @@ class Exchange:
             cure = f"make_vec(…, num_envs={areas}), or FleetSocket(…, 1) for a scene of several agents"
             raise MessageError("wrong-areas", f"{areas} scenes of an agent were asked for, not {rows} rows: {cure}")
         (section,) = request.sections
-        moves = not section.marks.translate(None, bytes((STEP, LAST)))
-        if moves and not section.columns and not section.table and request.exchange is None:
-            size = len(section.values) // areas
-            head, zeros, one = step_head(section.kind, size), ZEROS[size % 8], [(section.kind, 1)]
-            values = bytes(section.values)
-            frames = [b"".join((head, values[at * size : (at + 1) * size], zeros)) for at in range(areas)]
-            return {area: Part(frame, one, False) for area, frame in enumerate(frames)}
+        if not (section.columns or section.table or request.exchange is not None or request.said):
+            return plain_parts(section)
         parts = {}
         for area, piece in enumerate(pieces.cut(section, ASKS)):
             order = piece.marks[0]
@@ -197,11 +192,27 @@ class Exchange:
         return now + ended
 
 
+def plain_parts(section: Section) -> dict[int, Part]:
+    """Of most steps, where all parts have one form."""
+    steps = len(section.marks.translate(None, bytes((NOTHING, RESET))))
+    size = len(section.values) // steps if steps else 0
+    step, reset = head_of(section.kind, STEP, size), head_of(section.kind, RESET, 0)
+    numbers, values, rows = bytes(section.numbers), bytes(section.values), [(section.kind, 1)]
+    parts, at = {}, 0
+    for area, order in enumerate(section.marks):
+        if order == RESET:
+            parts[area] = Part(b"".join((reset[:48], numbers[8 * area : 8 * area + 8], reset[56:])), rows, True)
+        elif order:
+            parts[area] = Part(b"".join((step, values[at : at + size], ZEROS[size % 8])), rows, False)
+            at += size
+    return parts
+
+
 @functools.lru_cache(100)
-def step_head(kind: int, size: int) -> bytes:
-    """All of a step before its action of so many bytes."""
+def head_of(kind: int, order: int, size: int) -> bytes:
+    """All before an action of so many bytes; the seed stands at 48."""
     head = HEAD.pack(ASKS, 0, 1, 0, 0, 0, 0) + SECTION.pack(kind, 0, 1, 0, size, 0, 0)
-    return head + bytes(8) + bytes((STEP,)) + ZEROS[1]
+    return head + bytes(8) + bytes((order,)) + ZEROS[1]
 
 
 def at_its_end(mark: int, order: int) -> int:

@@ -22,7 +22,8 @@ from typing import Any
 import zmq
 
 from netmq_example import arguments, check
-from netmq_example.fleet.members import Member, NotTaken, accept, fits, offer, size_of
+from netmq_example.fleet import pieces
+from netmq_example.fleet.members import Member, NotTaken, accept, fits, kinds_in, offer, size_of
 from netmq_example.fleet.trainers import Trainer
 from netmq_example.messages import Message, MessageError, take
 from netmq_example.program import Socket
@@ -225,6 +226,7 @@ class Hub:
         if trainer.areas <= members - taken:
             try:
                 trainer.answer(offer(self.hellos[trainer.name], trainer.areas).frames())
+                trainer.agent = pieces.words_of(kinds_in(self.hellos[trainer.name])[0]["agents"][0])
                 trainer.admitted = True
             except MessageError as error:
                 trainer.refuse(error)

@@ -16,6 +16,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
+from netmq_example.fleet import pieces
 from netmq_example.fleet.exchange import Exchange, Playing
 from netmq_example.fleet.members import MOST_AREAS, Episode, Part, size_of
 from netmq_example.messages import Array, Message, MessageError
@@ -48,6 +49,8 @@ class Trainer:
         self.kept: list[Any] = []
         # What it has set by side channels, and who plays, where it has one scene.
         self.parameters: dict[bytes, bytes] = {}
+        # The first agent of its scenes.
+        self.agent = ""
         self.playing = Playing()
         # The areas whose answers are still to come.
         self.left: set[int] = set()
@@ -107,11 +110,18 @@ class Trainer:
             return dict.fromkeys(range(self.areas), Message("render"))
         if request.kind != "info":
             raise MessageError("unknown-kind", f"kind {request.kind!a:.40} is none of render, info, close")
-        if self.areas > 1:
-            raise MessageError("no-infos", "a hub hands infos on to one scene: FleetSocket(…, 1)")
-        # It is kept, and so it must not keep what it was received in.
-        arrays = [Array(array.dtype, array.shape, bytes(array.data)) for array in request.arrays]
-        return {0: Message("info", 0, request.values, arrays)}
+        # For whom it is, and what.
+        who, info = (
+            pieces.taken(request.arrays[0].data) if request.arrays else (pieces.text(""), pieces.Leaf("null", b""))
+        )
+        name = pieces.words_of(who)
+        if self.areas == 1 or not name:
+            return dict.fromkeys(range(self.areas), info_message([who, info]))
+        # To a trainer of several scenes their agents have numbers.
+        number = name.rpartition("_")[2]
+        if not number.isdecimal() or int(number) >= self.areas:
+            raise MessageError("no-agent", f"no agent is named {name!a:.40}")
+        return {int(number): info_message([pieces.text(self.agent), info])}
 
     def check(self, parts: dict[int, Any]) -> None:
         """MessageError before anything is begun: half a step would be none."""
@@ -205,6 +215,11 @@ class Trainer:
         self.episodes = [None] * self.areas
         self.size = 0
         self.left = set()
+
+
+def info_message(tree: list[Any]) -> Message:
+    data = pieces.given(tree)
+    return Message("info", 0, {}, [Array("uint8", (len(data),), data)])
 
 
 def begins(part: Any) -> bool:
