@@ -110,13 +110,12 @@ class Trainer:
             return dict.fromkeys(range(self.areas), Message("render"))
         if request.kind != "info":
             raise MessageError("unknown-kind", f"kind {request.kind!a:.40} is none of render, info, close")
-        # For whom it is, and what.
-        who, info = (
-            pieces.taken(request.arrays[0].data) if request.arrays else (pieces.text(""), pieces.Leaf("null", b""))
-        )
-        name = pieces.words_of(who)
+        tree = pieces.taken(request.arrays[0].data) if request.arrays else None
+        if not isinstance(tree, list) or len(tree) != 2:
+            raise MessageError("bad-info", "an info is a list: for whom it is, and what")
+        name, info = pieces.words_of(tree[0]), tree[1]
         if self.areas == 1 or not name:
-            return dict.fromkeys(range(self.areas), info_message([who, info]))
+            return dict.fromkeys(range(self.areas), info_message(tree))
         # To a trainer of several scenes their agents have numbers.
         number = name.rpartition("_")[2]
         if not number.isdecimal() or int(number) >= self.areas:
