@@ -22,9 +22,9 @@ from netmq_example.security.requester import client_keys
 
 with importing("gymnasium; kit.py run 17 installs it", stopped="stopped"):
     from netmq_example.fleet.simulator import FleetSimulator
-    from netmq_example.scene.simulator import EnvironmentClient, Simulator
+    from netmq_example.scene import EnvironmentClient, Scene, SceneSimulator
     from netmq_example.wire.records import STEP, Record
-    from netmq_example.worlds.cart_pole import CartPole
+    from netmq_example.worlds.cart_pole import DT, CartPole
 
 
 class Mortal(FleetSimulator):
@@ -34,7 +34,7 @@ class Mortal(FleetSimulator):
     delay = 0.0
 
     def do(self, request: Record) -> Record:
-        if STEP in request.flags:
+        if request.has(STEP):
             if 0 < self.crash_after <= self.steps:
                 show(f"crash after {self.steps} steps, as told")
                 os._exit(1)
@@ -53,7 +53,7 @@ def main() -> None:
     parser.add_argument("--delay", type=seconds, default=0, help="seconds that each step takes")
     options = parser.parse_args()
     show(f"asking {options.endpoint}")
-    simulator = Mortal(Simulator(CartPole()), build=options.build)
+    simulator = Mortal(SceneSimulator(Scene("CartPole", [CartPole()], DT)), build=options.build)
     simulator.crash_after, simulator.delay = options.crash_after, options.delay
     prepare = options.keys.apply if options.keys else None
     client = EnvironmentClient(options.endpoint, timeout=options.timeout, prepare=prepare)

@@ -1,4 +1,4 @@
-"""Lesson 17, a trainer: lesson 10's vector environment, as it is, whose areas are simulators on any machine.
+"""Lesson 17, a trainer: lesson 10's vector environment, as it is, whose agents are in scenes on any machine.
 
     python python/17_many_machines/train.py --areas 2                begins when two simulators are at the hub
     python python/17_many_machines/train.py --areas 2 --each         prints the return of each episode, by its seed
@@ -22,7 +22,7 @@ with importing("gymnasium; kit.py run 17 installs it", stopped="stopped"):
     import gymnasium
     import numpy as np
 
-    import netmq_example.envs.vector_env  # noqa: F401, it registers the vector environments.
+    import netmq_example.envs  # noqa: F401, it registers the environments.
     from netmq_example.fleet.trainer import FleetSocket
     from netmq_example.messages import MessageError
 
@@ -73,8 +73,8 @@ def main() -> None:
     try:
         keys = ClientKeys(options.keys).apply if options.keys else None
         where: dict[str, Any] = {"wait": options.timeout, "timeout": options.timeout, "autoreset_mode": "Disabled"}
-        with FleetSocket(options.endpoint, "CartPole", options.areas, prepare=keys) as socket:
-            envs = gymnasium.make_vec("NetMQExample/CartPole-v0", options.areas, socket=socket, **where)
+        with FleetSocket(options.endpoint, "CartPole", options.areas, prepare=keys) as fleet:
+            envs = gymnasium.make_vec("NetMQExample/CartPole-v0", options.areas, fleet=fleet, **where)
             returns = play(envs, options.episodes)
             envs.close()
     except (OSError, MessageError, ValueError) as error:
