@@ -1,4 +1,4 @@
-"""Lesson 09, the client in Python. In C# it is CartPoleEnvironment.cs, which prints the same lines.
+"""Lesson 09, the client in Python. In C# it is CartPoleAgent.cs, which prints the same lines.
 
     python python/09_environment/client.py                a pole on a cart, until the environment closes it
     python python/09_environment/client.py --world Car    lesson 08's car on its road
@@ -16,11 +16,11 @@ from netmq_example.extras import importing
 from netmq_example.program import run, show, whole
 
 with importing("gymnasium; pip install gymnasium, or let kit.py run 9 do it", stopped="stopped"):
-    from netmq_example.scene.simulator import EnvironmentClient, Simulator
+    from netmq_example.scene import EnvironmentClient, Scene, SceneSimulator
     from netmq_example.worlds.cart_pole import CartPole
     from netmq_example.worlds.road_car import RoadCar
 
-# A world has reset, apply, which is a step, observe and reward_and_end: yours can stand here.
+# An agent has on_reset, on_action, on_tick, on_stepped and observe: yours can stand here.
 WORLDS = {"CartPole": CartPole, "Car": RoadCar}
 
 
@@ -30,7 +30,7 @@ def main() -> None:
     parser.add_argument("--count", type=whole, default=0, help="how many episodes to begin; 0: until it is closed")
     options = parser.parse_args()
     show(f"asking {options.endpoint}")
-    simulator = Simulator(WORLDS[options.world]())
+    simulator = SceneSimulator(Scene(options.world, [WORLDS[options.world]()], dt=0.02))
     EnvironmentClient(options.endpoint, timeout=options.timeout).run(simulator, options.count)
     show(f"done: {simulator.episodes} episodes, {simulator.steps} steps")
 

@@ -5,7 +5,7 @@
     python python/10_many_agents/client.py --world Car --areas 16         sixteen of lesson 08's cars, each on its road
     python python/10_many_agents/client.py --count 3                      leave after so many games
 
-Bytes: records, see records.py, scene/agents.py and scene/areas.py.
+Bytes: records, see netmq_example/wire/records.py.
 """
 
 import sys
@@ -19,26 +19,30 @@ from netmq_example.program import run, show, whole
 with importing("gymnasium; kit.py run 10 installs it", stopped="stopped"):
     import players
 
-    from netmq_example.scene.agents import AgentSimulator
-    from netmq_example.scene.areas import AreaSimulator
-    from netmq_example.scene.simulator import EnvironmentClient
+    from netmq_example.scene import EnvironmentClient, Scene, SceneSimulator
     from netmq_example.worlds.cart_pole import CartPole
     from netmq_example.worlds.pursuit import Pursuit
     from netmq_example.worlds.road_car import RoadCar
 
 
+def scene(world: str, count: int) -> Scene:
+    """Agents of one name get numbers: agent_0, agent_1 and so on."""
+    if world == "Pursuit":
+        return Pursuit()
+    kind = RoadCar if world == "Car" else CartPole
+    return Scene(world, [kind() for _ in range(count)], dt=0.02)
+
+
 def main() -> None:
     parser = client_options(
-        "Simulates what an environment steps, many at once.", "tcp://127.0.0.1:5560", timeout=30, beacon=True
+        "Simulates what an environment steps, many at once.", "tcp://127.0.0.1:5559", timeout=30, beacon=True
     )
     parser.add_argument("--world", choices=["CartPole", "Car", "Pursuit"], default="Pursuit", help="what to simulate")
-    parser.add_argument("--areas", type=players.areas, default=16, help="how many areas of CartPole or Car")
+    parser.add_argument("--areas", type=players.areas, default=16, help="how many copies of CartPole or Car")
     parser.add_argument("--count", type=whole, default=0, help="how many episodes to begin; 0: until it is closed")
     options = parser.parse_args()
     show(f"asking {options.endpoint}")
-    kind = RoadCar if options.world == "Car" else CartPole
-    areas = [kind() for _ in range(options.areas)]
-    simulator = AgentSimulator(Pursuit()) if options.world == "Pursuit" else AreaSimulator(areas)
+    simulator = SceneSimulator(scene(options.world, options.areas))
     EnvironmentClient(options.endpoint, timeout=options.timeout).run(simulator, options.count)
     show(f"done: {simulator.episodes} episodes, {simulator.steps} steps")
 

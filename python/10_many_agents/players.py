@@ -49,11 +49,10 @@ class Game:
         return {agent: policy(agent, seen[agent]) for agent in env.agents}
 
     def count(self, terminated: Any, truncated: Any, infos: dict[str, Any]) -> None:
-        # Each agent's info has the same message of the game to the environment.
+        # Each agent's info has what the game itself says.
         info = next(iter(infos.values()))
-        told = info.get("told", {}).get("env", [])
         self.steps += 1
-        self.caught += sum("caught" in each for each in told)
+        self.caught += sum("caught" in each for each in info.get("env", []))
         self.lost = f", {info['lost']}" if "lost" in info else ""
 
     def __str__(self) -> str:

@@ -1,10 +1,10 @@
 """Lesson 11, observations: what an agent sees is said where it is declared.
 
-    python python/11_observations/server.py               prints: listening on tcp://127.0.0.1:5561
+    python python/11_observations/server.py               prints: listening on tcp://127.0.0.1:5559
     dotnet run --project csharp-console -- 11             or: python python/11_observations/client.py
 
 A car collects coins; what it sees, its class has marked field by field. Plays ten episodes with each simulator that
-comes, by hand, and prints a line for each. Bytes: records, see netmq_example/wire/records.py and scene/scene.py.
+comes, by hand, and prints a line for each. Bytes: records, see netmq_example/wire/records.py and trees.py.
 Trouble on command: `--wrong-space` declares a space that what is seen does not fit.
 """
 
@@ -23,14 +23,14 @@ with importing("gymnasium; kit.py run 11 installs it"):
     import gymnasium
     from collector import ACTION, play, seen_space
 
-    import netmq_example.envs.unity_env  # noqa: F401, it registers the environment.
+    import netmq_example.envs  # noqa: F401, it registers the environments.
     from netmq_example.messages import LIMIT, MessageError
 
 EPISODES = 10
 
 
 def main() -> None:
-    parser = server_options(__doc__, "tcp://127.0.0.1:5561")
+    parser = server_options(__doc__, "tcp://127.0.0.1:5559")
     parser.add_argument("--wrong-space", action="store_true", help="declare that places lie between 0 and 1")
     options = parser.parse_args()
     spaces: dict[str, Any] = {"observation_space": seen_space(options.wrong_space), "action_space": ACTION}

@@ -10,7 +10,6 @@ Both need gymnasium.
 
 import argparse
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -27,17 +26,14 @@ with importing("gymnasium; pip install gymnasium, or let kit.py run 13 do it", s
     import numpy as np
     from gymnasium.spaces import Box, Discrete
 
-    from netmq_example.envs.gym_env import ZmqEnv
-    from netmq_example.envs.side_channels import carry
-    from netmq_example.scene.side_channels import SideChannelSimulator
-    from netmq_example.scene.simulation import Simulation
-    from netmq_example.scene.simulator import EnvironmentClient, Simulator
+    from netmq_example.envs import UnityGymEnv, carry
+    from netmq_example.scene import Agent, EnvironmentClient, Scene, SceneSimulator, SideChannelSimulator
 
 
 def drop(gravity: float) -> None:
     """The training sets gravity, takes its steps, and reads the statistics that came with them."""
     parameters, stats = EnvironmentParametersChannel(), StatsSideChannel()
-    env = ZmqEnv("Ball", launch=[sys.executable, __file__])
+    env = UnityGymEnv("Ball", launch=[sys.executable, __file__])
     try:
         carry(env, SideChannelManager([parameters, stats]))
         parameters.set_float_parameter("gravity", gravity)
@@ -53,41 +49,39 @@ def drop(gravity: float) -> None:
         env.close()
 
 
-class Ball(Simulation):
+class Ball(Agent):
     """The scene asks for its parameters when it needs them, and records statistics."""
 
-    name = "Ball"
-    dt = 0.02
-    # How many numbers its state has: the height.
-    size = 1
     observation = Box(-100, 100, (1,))
     action = Discrete(1)
 
-    def __init__(self) -> None:
-        self.parameters = EnvironmentParameters()
-        self.stats = StatsRecorder()
+    def __init__(self, parameters: EnvironmentParameters, stats: StatsRecorder) -> None:
+        super().__init__("ball")
+        self.parameters = parameters
+        self.stats = stats
 
-    def reset(self, rng: Iterator[float], options: dict[str, Any], state: list[float]) -> None:
-        self.height = state[0] if state else 2.0
+    def on_reset(self) -> None:
+        self.height = 2.0
         self.speed = 0.0
 
-    def apply(self, action: Any) -> None:
-        self.speed -= self.parameters.get_with_default("gravity", 9.81) * self.dt
-        self.height += self.speed * self.dt
-        if self.height <= 0:
+    def on_tick(self, dt: float) -> None:
+        self.speed -= self.parameters.get_with_default("gravity", 9.81) * dt
+        self.height += self.speed * dt
+
+    def on_stepped(self) -> None:
+        self.terminated = self.height <= 0
+        if self.terminated:
             self.stats.add("landing", -self.speed)
 
     def observe(self) -> Any:
         return np.array([self.height], np.float32)
 
-    def reward_and_end(self) -> dict[str, Any]:
-        return {"reward": 0.0, "terminated": self.height <= 0, "truncated": False}
-
 
 def simulate(endpoint: str) -> None:
-    ball = Ball()
-    manager = SideChannelManager([ball.parameters, ball.stats])
-    EnvironmentClient(endpoint, timeout=20).run(SideChannelSimulator(Simulator(ball), manager))
+    parameters, stats = EnvironmentParameters(), StatsRecorder()
+    scene = Scene("Ball", [Ball(parameters, stats)], dt=0.02)
+    manager = SideChannelManager([parameters, stats])
+    EnvironmentClient(endpoint, timeout=20).run(SideChannelSimulator(SceneSimulator(scene), manager))
 
 
 def main() -> None:

@@ -239,13 +239,12 @@ class Exchange:
         return count
 
     def all_again(self) -> bool:
-        rows = [
-            row in one.again
+        """Whether nobody who was asked for is left in an episode: then the scene itself begins anew."""
+        return any(one.again for one in self.asked) and not any(
+            agent and begun and row not in one.again
             for one in self.asked
-            for row, agent in enumerate(one.kind.present)
-            if agent and (row in one.again or row not in one.kind.fresh)
-        ]
-        return bool(rows) and all(rows)
+            for row, (agent, begun) in enumerate(zip(one.kind.present, one.kind.begun, strict=True))
+        )
 
     def begin_one(self, one: Asked, row: int) -> Agent:
         kind = one.kind

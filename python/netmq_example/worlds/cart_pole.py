@@ -1,7 +1,7 @@
 """A pole on a cart that is pushed left or right: an example of an Agent in code.
 
-    run(Scene("CartPole", [CartPole()], DT))        an action is 0, left, or 1, right; seen are the cart's place and speed,
-                                                    and the pole's angle and turning
+    run(Scene("CartPole", [CartPole()], DT))        an action is 0, left, or 1, right; seen are the cart's place,
+                                                    its speed, and the angle and turning of the pole
 
 Lengths are in metres, angles in radians, forces in newtons, masses in kilograms. The equations are those of Gymnasium's
 CartPole-v1 (Barto, Sutton and Anderson, 1983; Florian, 2007): from the same state, the same actions lead to the same
