@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Self, get_type_hints
 
 from netmq_example import arguments, check
-from netmq_example.locator import APPEND, Locator, LocatorError, parse, quoted
+from netmq_example.locator import APPEND, Locator, LocatorError, ordinal, parse, quoted
 from netmq_example.wire import trees
 from netmq_example.wire.split_mix import Draws, draws
 
@@ -162,8 +162,6 @@ def declared(kind: type[Agent], name: str) -> list[tuple[Locator, str]]:
 
 
 def seen_by(name: str, locator: Locator) -> str:
-    """As it stands in a row of this agent, which is not named there: '@' alone is its own."""
-    own = (name,)
-    mappings = [replace(one, agents=(), root=True) if one.agents == own and not one.everyone else one
-                for one in locator.mappings]  # fmt: skip
-    return " & ".join(map(str, mappings))
+    """The places in the observation of this agent, which is not named there: so all of a kind have one form."""
+    places = [replace(one, everyone=False, agents=(), root=True) for one in locator.mappings if one.names(name)]
+    return " & ".join(sorted(map(str, places), key=ordinal))

@@ -59,8 +59,8 @@ class Kind:
         model = self.model
         for what in ("period", "state_size", "observation", "action"):
             if getattr(agent, what) != getattr(model, what):
-                both = f"{model.name} and {agent.name} are of one kind, {self.name}, but have another {what}"
-                raise ValueError(f"{both}: {getattr(model, what)!s:.60} and {getattr(agent, what)!s:.60}")
+                both = f"{agent.name!r} and {self.names[0]!r} have one name, {self.name}, and not the same {what}"
+                raise ValueError(f"{both}: give them two names")
 
     def actions(self, section: Section) -> list[Any]:
         """One for each row that acts. MessageError says what is none."""

@@ -89,7 +89,7 @@ class Roster:
         try:
             kind.like(agent)
         except ValueError as error:
-            raise MessageError("no-space", str(error)) from None
+            raise MessageError("two-kinds", str(error)) from None
         if agent.name in kind.names:
             row = kind.names.index(agent.name)
             if kind.present[row] is not None:
@@ -129,14 +129,13 @@ class Roster:
         """Locators, and what stands there now: the whole of a thing before its parts, the same in every language."""
         sources = self.sources.get(id(agent))
         if sources is None:
-            found = [
-                (locator.text, seen_by(agent.name, locator), other, field)
+            sources = self.sources[id(agent)] = [
+                (text, other, field)
                 for other in self.scene.agents
                 for locator, field in declared(type(other), other.name)
-                if any(mapping.names(agent.name) for mapping in locator.mappings)
+                if (text := seen_by(agent.name, locator))
             ]
-            found.sort(key=lambda one: ordinal(one[0]))
-            sources = self.sources[id(agent)] = [one[1:] for one in found]
+            sources.sort(key=lambda one: ordinal(one[0]))
         return [(text, getattr(other, field)) for text, other, field in sources]
 
 
