@@ -22,6 +22,7 @@ from netmq_example.messages import MessageError
 from netmq_example.wire import trees
 from netmq_example.wire.records import ANSWERS, FORM, SEEN, Section
 from netmq_example.wire.space_bytes import Bytes, together
+from netmq_example.wire.spaces import Numbers
 
 NOBODY: frozenset[int] = frozenset()
 
@@ -42,6 +43,8 @@ class Rows:
         self.space = space
         self.count = count
         self.bytes = Bytes(space)
+        # One array alone, as most have, is taken with fewer calls of numpy.
+        self.array = self.bytes.codec if isinstance(self.bytes.codec, Numbers) and self.bytes.size else None
         # All of them one after the other, or else one by one.
         self.block: Any = None
         self.rows: list[Any] = [None] * count
@@ -69,6 +72,10 @@ class Rows:
             self.block = memoryview(b"".join(self.rows))
         if self.block is None:
             return together(self.space, [self.one(agent) for agent in range(self.count)])
+        if self.array:
+            items: Any = np.ndarray((self.count, *self.array.shape), self.array.dtype, self.block).copy()
+            self.array.check(items)
+            return items
         block = np.frombuffer(self.block, np.uint8).reshape(self.count, self.bytes.size)
         return self.bytes.codec.read_block(block, 0)
 

@@ -12,6 +12,7 @@ agent that leaves its own: they are truncated, and `infos["lost"]` says why. An 
 and no ends until it comes back. The C# side is SceneSimulator.cs. Lesson 17's hub has as many scenes in place of one.
 """
 
+import math
 import os
 from collections.abc import Sequence
 from typing import Any
@@ -49,6 +50,11 @@ from netmq_example.wire.records import (
     Section,
 )
 from netmq_example.wire.space_bytes import codec_of
+
+
+def some(mask: Any) -> Any:
+    """The mask, or None if it is nobody's."""
+    return mask if mask is not None and mask.any() else None
 
 
 class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
@@ -97,8 +103,9 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
         self.randoms = [seeding.np_random() for _ in range(self.num_envs)]
         self.next = np.zeros(self.num_envs, np.int64)
         self.draw(range(self.num_envs))
-        self.over = np.ones(self.num_envs, bool)
-        self.gone = np.zeros(self.num_envs, bool)
+        # Whose episode is over, and who is away; or None, if nobody is.
+        self.over: Any = None
+        self.gone: Any = None
         # Steps of each episode, and how many are left until the first one's time is up.
         self.steps = np.zeros(self.num_envs, int)
         self.left = 0
@@ -194,7 +201,7 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
         for agent in np.flatnonzero(new & ~mask):
             self.infos.add(int(agent), {"lost": why})
         seen = self.seen.batch()
-        self.over = self.over & ~new
+        self.over = some(None if self.over is None else self.over & ~new)
         self.steps[new] = 0
         self.count_again()
         self.begun = True
@@ -212,9 +219,8 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
             begins = {*begins, *ended.whose()}
         everyone = {"env": scene_infos(answer.said)} if answer.said else None
         self.infos = Infos(self.num_envs, now, everyone)
-        absent = now.marks != self.all_seen and np.frombuffer(now.marks, np.uint8) & ABSENT > 0
-        if absent is not False or self.gone.any():
-            self.gone = np.zeros(self.num_envs, bool) | absent
+        self.gone = None if now.marks == self.all_seen else some(np.frombuffer(now.marks, np.uint8) & ABSENT > 0)
+        if self.gone is not None:
             for agent in np.flatnonzero(self.gone):
                 self.infos.add(int(agent), {"lost": GONE})
         self.seen.take(now, begins or NOBODY)
@@ -224,7 +230,7 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
         if not self.begun:
             raise gymnasium.error.ResetNeeded("no episode is under way: call reset before step")
         self.final_infos = {}
-        again = self.over if self.over.any() else None
+        again = self.over
         if again is not None and self.autoreset_mode == AutoresetMode.DISABLED:
             raise ValueError(f"agents {np.flatnonzero(again)} are over: reset(options={{'reset_mask': …}}) first")
         if again is not None and again.all():
@@ -254,13 +260,14 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
         numbers = self.zeros
         bits = 0
         steps = None
-        if again is not None or self.gone.any() or (self.limit and self.left <= 1):
+        if again is not None or self.gone is not None or (self.limit and self.left <= 1):
             orders = np.full(self.num_envs, STEP, np.uint8)
             if self.limit:
                 orders[self.steps + 1 >= self.limit] = LAST
-            begins = self.gone if again is None else again | self.gone
-            orders[begins] = RESET
-            steps = None if not begins.any() else ~begins
+            begins = [mask for mask in (again, self.gone) if mask is not None]
+            if begins:
+                steps = ~np.logical_or.reduce(begins)
+                orders[~steps] = RESET
             marks = orders.tobytes()
         if self.autoreset_mode == AutoresetMode.SAME_STEP:
             bits = AUTORESET
@@ -278,25 +285,30 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
         before = self.seen.batch() if self.autoreset_mode == AutoresetMode.SAME_STEP and self.may_end(answer) else None
         now, ended = self.read(answer, set() if again is None else set(np.flatnonzero(again).tolist()))
         rewards = np.frombuffer(now.numbers, np.float64).copy()
-        if not np.isfinite(rewards.sum()):
+        if not math.isfinite(rewards.sum()):
             raise MessageError("bad-reward", f"the rewards are {rewards!s:.80}")
         if now.marks == self.all_seen:
             terminated, truncated = np.zeros(self.num_envs, bool), np.zeros(self.num_envs, bool)
         else:
             marks = np.frombuffer(now.marks, np.uint8)
             terminated = marks & TERMINATED > 0
+            truncated = marks & TRUNCATED > 0
+        if self.gone is not None:
             # Whoever leaves is cut, once; whoever is away has no episode that could end.
-            truncated = (marks & TRUNCATED > 0) | (self.gone & ~was_gone & ~terminated)
+            truncated |= self.gone & ~terminated & (True if was_gone is None else ~was_gone)
         seen = self.seen.batch()
         if self.limit and self.left <= 0:
-            truncated |= (self.steps >= self.limit) & ~self.gone
+            truncated |= (self.steps >= self.limit) & (True if self.gone is None else ~self.gone)
         if ended is not None:
-            self.end(ended, rewards, terminated, truncated, before)
-        self.over = terminated | truncated
+            self.end(ended, rewards, terminated, truncated)
+        quiet = (
+            ended is None and self.gone is None and now.marks == self.all_seen and not (self.limit and self.left <= 0)
+        )
+        self.over = None if quiet else some(terminated | truncated)
         infos = self.infos.gathered()
-        if self.autoreset_mode == AutoresetMode.SAME_STEP and self.over.any():
-            infos = self.with_finals(infos, seen, before)
-            self.over = np.zeros(self.num_envs, bool)
+        if self.autoreset_mode == AutoresetMode.SAME_STEP and self.over is not None:
+            infos = self.with_finals(infos, before)
+            self.over = None
         if self.limit and self.left <= 0:
             self.count_again()
         return seen, rewards, terminated, truncated, infos
@@ -304,7 +316,7 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
     def may_end(self, answer: Record) -> bool:
         return len(answer.sections) > 1 or answer.sections[0].marks != self.all_seen
 
-    def end(self, ended: Section, rewards: Any, terminated: Any, truncated: Any, before: Any) -> None:
+    def end(self, ended: Section, rewards: Any, terminated: Any, truncated: Any) -> None:
         """Those that have ended, and begun anew."""
         kind: Any = self.kind
         who = np.asarray(ended.whose())
@@ -325,7 +337,7 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
         infos = Infos(self.num_envs, ended)
         self.final_infos = {agent: infos[agent] for agent in who.tolist()}
 
-    def with_finals(self, infos: dict[str, Any], seen: Any, before: Any) -> dict[str, Any]:
+    def with_finals(self, infos: dict[str, Any], before: Any) -> dict[str, Any]:
         """The last observation and info of each episode that is over."""
         each = None
         for agent in np.flatnonzero(self.over).tolist():
@@ -347,9 +359,8 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
         self.over = np.ones(self.num_envs, bool)
         infos = self.infos.gathered()
         if self.autoreset_mode == AutoresetMode.SAME_STEP:
-            over = self.over
             finals = list(iterate(self.observation_space, seen))
-            seen = self.begin(over, {})
+            seen = self.begin(self.over, {})
             infos = self.infos.gathered()
             for agent, final in enumerate(finals):
                 self.final_infos[agent] = {"lost": why}
