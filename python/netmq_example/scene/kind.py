@@ -58,7 +58,8 @@ class Kind:
         """ValueError if an agent is of another kind, in spite of its name."""
         model = self.model
         for what in ("period", "state_size", "observation", "action"):
-            if getattr(agent, what) != getattr(model, what):
+            given, known = getattr(agent, what), getattr(model, what)
+            if given is not known and given != known:
                 both = f"{agent.name!r} and {self.names[0]!r} have one name, {self.name}, and not the same {what}"
                 raise ValueError(f"{both}: give them two names")
 
