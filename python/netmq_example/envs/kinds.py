@@ -32,6 +32,8 @@ class Kind:
     period: int
     observation: Space[Any] | None
     action: Space[Any] | None
+    # Whether what is seen comes as locators and values, also where the scene says the space.
+    located: bool
 
 
 @dataclass(frozen=True)
@@ -108,7 +110,8 @@ def read_kind(at: int, first: int, described: Any) -> Kind:
     if not 0 < period < 2**31:
         raise MessageError("bad-kind", f"a step has at least one tick, not {period}")
     spaces = [None if described.get(key) is None else space_of(described[key]) for key in ("observation", "action")]
-    return Kind(at, take(described, "name", str), tuple(agents), first, period, spaces[0], spaces[1])
+    located = spaces[0] is None or described.get("located") is True
+    return Kind(at, take(described, "name", str), tuple(agents), first, period, spaces[0], spaces[1], located)
 
 
 def same_scene(scene: SceneHello, before: SceneHello | None) -> SceneHello:

@@ -28,8 +28,8 @@ NOBODY: frozenset[int] = frozenset()
 
 
 def observations_of(space: Space[Any], kind: Kind) -> "Rows | Sights":
-    """A kind whose observation C# declares sends what is in the space, any other one locators and values."""
-    return Rows(space, len(kind.agents)) if kind.observation is not None else Sights(space, kind.agents)
+    """An agent in code sends what is in the space, one with attributes locators and values."""
+    return Sights(space, kind.agents) if kind.located else Rows(space, len(kind.agents))
 
 
 def all_seen(section: Section, count: int) -> bool:

@@ -49,6 +49,7 @@ class Kind:
             "period": self.period,
             "observation": spaces[0],
             "action": spaces[1],
+            "located": not self.in_code or self.observation is None,
             "sensors": [],
             "branches": None,
             "groups": False,
