@@ -32,7 +32,7 @@ namespace NetMQExample
         public double Angle { get; private set; }
 
         /// <inheritdoc/>
-        public override int StateSize => 4;
+        protected override int StateSize => 4;
 
         /// <inheritdoc/>
         public override GymSpace Observation { get; } = GymSpace.Box(Array.ConvertAll(Most, most => -most), Most);
@@ -45,8 +45,7 @@ namespace NetMQExample
         {
             double low = Option("low", -0.05), high = Option("high", 0.05);
             double Drawn() => low + (high - low) * Rng.Next();
-            var state = AgentState.FirstState;
-            if (state.Length == 0) state = new[] { Drawn(), Drawn(), Drawn(), Drawn() };
+            var state = FirstState.Length > 0 ? FirstState : new[] { Drawn(), Drawn(), Drawn(), Drawn() };
             (Place, speed, Angle, turning) = (state[0], state[1], state[2], state[3]);
             push = 0;
         }

@@ -16,7 +16,7 @@ namespace NetMQExample
         private Transform cart, pole;
 
         /// <inheritdoc/>
-        public override int StateSize => world.StateSize;
+        protected override int StateSize => 4;
 
         /// <inheritdoc/>
         public override GymSpace Observation => world.Observation;

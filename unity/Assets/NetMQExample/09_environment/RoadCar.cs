@@ -33,7 +33,7 @@ namespace NetMQExample
         }
 
         /// <summary>The number of a point of the road.</summary>
-        public override int StateSize => 1;
+        protected override int StateSize => 1;
 
         /// <inheritdoc/>
         public override GymSpace Observation { get; }
@@ -44,8 +44,7 @@ namespace NetMQExample
         /// <inheritdoc/>
         public override void OnReset()
         {
-            var state = AgentState.FirstState;
-            var at = state.Length > 0 ? state[0] : Math.Floor(Rng.Next() * road.Points.Length);
+            var at = FirstState.Length > 0 ? FirstState[0] : Math.Floor(Rng.Next() * road.Points.Length);
             if (!(at >= 0 && at < road.Points.Length))
                 throw new MessageException("bad-state", $"the road has the points 0 to {road.Points.Length - 1}");
             car = new Car(road, (int)at);

@@ -18,12 +18,9 @@ namespace NetMQExample
 
         internal PursuitPlayer(Pursuit world, string name) : base(name)
         {
-            (this.world, Name) = (world, name);
+            this.world = world;
             Hunts = name.StartsWith("hunter", StringComparison.Ordinal);
         }
-
-        /// <summary>Its name in Python.</summary>
-        public string Name { get; }
 
         /// <summary>Whether it is a hunter.</summary>
         public bool Hunts { get; }
