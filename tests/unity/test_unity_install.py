@@ -143,7 +143,7 @@ def test_copies_everything_with_its_meta(project, nuget, capsys):
     assert "press Play" in printed
     # An agent of one's own takes the place of the lesson's.
     assert (
-        ": CameraSensor, your agent or CoinCarAgent, GymManager; and"
+        ": CameraSensor, your agent or CoinCarAgent, CoinField; and"
         in unity_install.next_steps(project.parent, "11")[-1]
     )
     assert not list(project.glob(".netmqexample-*"))

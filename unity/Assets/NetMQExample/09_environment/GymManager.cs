@@ -10,7 +10,7 @@ namespace NetMQExample
     public class GymManager : SteppedBehaviour, IWorld
     {
         [SerializeField, Tooltip("The environment")] private string endpoint = "tcp://127.0.0.1:5559";
-        [SerializeField, Tooltip("The env_name in Python")] private string envName = "Scene";
+        [SerializeField, Tooltip("The env_name in Python")] private string envName = "CartPole";
         [SerializeField, Tooltip("Seconds of a tick")] private double dt = 0.02;
         [SerializeField, Tooltip("Play with Heuristic, without Python; from the next Play on")] private bool byHand;
         [SerializeField, Tooltip("How many agents of a name there may be, where some come later")]

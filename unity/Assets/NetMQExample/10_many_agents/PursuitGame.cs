@@ -2,26 +2,15 @@
 //
 // Use: start python/10_many_agents/server.py, add this component to any GameObject, press Play.
 using System.Collections.Generic;
-using System.Linq;
 using UnityEngine;
 
 namespace NetMQExample
 {
-    /// <summary>Pursuit.cs in a scene.</summary>
+    /// <summary>Pursuit.cs in a scene: the world, which makes the agents.</summary>
     [AddComponentMenu("NetMQ Example/10 Pursuit Game")]
     public sealed class PursuitGame : GymManager
     {
         private readonly Pursuit world = new Pursuit();
-        private Transform[] cubes;
-
-        /// <inheritdoc/>
-        protected override string EnvName => "Pursuit";
-
-        /// <inheritdoc/>
-        protected override double Dt => 0.1;
-
-        /// <inheritdoc/>
-        protected override IReadOnlyList<IAgent> Agents => world.Players;
 
         /// <inheritdoc/>
         public override void OnReset(RandomGenerator random, IReadOnlyDictionary<string, object> options) =>
@@ -33,31 +22,49 @@ namespace NetMQExample
         /// <inheritdoc/>
         public override MessageArray Render() => world.Render();
 
-        /// <inheritdoc/>
-        protected override object Heuristic(IAgent agent)
-        {
-            var (x, y) = (ArrowKeys.Horizontal, ArrowKeys.Vertical);
-            // The others rest: alone one wins slowly.
-            if (agent != world.Players[0] || (x == 0 && y == 0)) return 0L;
-            return x != 0 ? x < 0 ? 1L : 2L : y < 0 ? 3L : 4L;
-        }
-
         private void Awake()
         {
+            (EnvName, Dt) = ("Pursuit", 0.1);
             world.SendInfo = SendInfo;
-            // Hunters are the taller ones.
-            cubes = world.Players
-                .Select(player => Cube.Make(new Vector3(0.3f, player.Hunts ? 0.6f : 0.3f, 0.3f))).ToArray();
+            foreach (var player in world.Players)
+            {
+                var animal = new GameObject(player.Name);
+                // It wakes up when it has its player.
+                animal.SetActive(false);
+                animal.AddComponent<Animal>().Player = player;
+                animal.SetActive(true);
+                // Hunters are the taller ones.
+                Cube.Make(new Vector3(0.3f, player.Hunts ? 0.6f : 0.3f, 0.3f), null, animal.transform);
+            }
         }
 
-        private void LateUpdate()
+        private sealed class Animal : Agent
         {
-            for (var i = 0; i < cubes.Length; i++)
+            public PursuitPlayer Player { get; set; }
+
+            public override GymSpace Observation => Player.Observation;
+
+            public override GymSpace Action => Player.Action;
+
+            public override void OnReset() => Player.OnReset();
+
+            public override void OnAction(SpaceReader action) => Player.OnAction(action);
+
+            public override void Observe(SpaceWriter seen) => Player.Observe(seen);
+
+            public override object Heuristic()
             {
-                var player = world.Players[i];
-                // An agent that is out is higher than the camera, which looks down. The world is 8 m wide.
-                cubes[i].position = new Vector3((float)(4 * player.X), player.Lives ? 0 : 20, (float)(4 * player.Y));
+                var (x, y) = (ArrowKeys.Horizontal, ArrowKeys.Vertical);
+                // The others rest: alone one wins slowly.
+                if (Player.Name != "hunter_0" || (x == 0 && y == 0)) return 0L;
+                return x != 0 ? x < 0 ? 1L : 2L : y < 0 ? 3L : 4L;
             }
+
+            protected override AgentState MakeState() => Player.AgentState;
+
+            // One that is out is higher than the camera, which looks down. The world is 8 m wide.
+            private void LateUpdate() => transform.position =
+                new Vector3((float)(4 * Player.X), Player.Lives ? 0 : 20, (float)(4 * Player.Y));
         }
     }
 }

@@ -1,7 +1,8 @@
 // Lesson 11 in Unity, the example: a car that collects coins, and a camera above the field.
 //
-// Use: it stands in the lesson's scene, with a GymManager and a CameraSensor. Your own agent takes its place:
-// one whose own fields have the attributes, which here are CoinCar's, because the terminal client sees with them too.
+// Use: it stands in the lesson's scene, with a GymManager, which is CoinField, and a CameraSensor. Your own agent takes
+// its place: one whose own fields have the attributes, which here are CoinCar's, because the terminal client sees with
+// them too.
 using System.Collections.Generic;
 using UnityEngine;
 
@@ -40,7 +41,6 @@ namespace NetMQExample
         protected override void Awake()
         {
             base.Awake();
-            Cube.Make(Vector3.one * (float)CoinCar.Field, new Color32(40, 80, 40, 255)).position = Ground(5, 5, -5);
             body = Cube.Make(Vector3.one, new Color32(200, 30, 30, 255));
             var eye = new GameObject("Eye").AddComponent<Camera>();
             // The whole field: half of it is 5 m, and 60 degrees from edge to edge.

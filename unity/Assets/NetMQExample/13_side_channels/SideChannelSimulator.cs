@@ -15,17 +15,20 @@ namespace NetMQExample.SideChannels
         }
 
         /// <inheritdoc/>
-        public override void Do(StepRequest request, StepAnswer answer)
+        public override Message Describe()
         {
-            if (request.HasExchange) SideChannelManager.Receive(new[] { request.Exchange.ToArray() });
-            base.Do(request, answer);
+            var hello = base.Describe();
+            hello.Values["channels"] = true;
+            return hello;
         }
 
         /// <inheritdoc/>
-        public override void See(StepRequest request, StepAnswer answer)
+        public override bool Do(StepRequest request, StepAnswer answer, bool again)
         {
-            base.See(request, answer);
+            if (request.HasExchange && !again) SideChannelManager.Receive(new[] { request.Exchange.ToArray() });
+            if (!base.Do(request, answer, again)) return false;
             if (request.HasExchange) answer.Exchange = SideChannelManager.GetSideChannelMessage();
+            return true;
         }
     }
 }

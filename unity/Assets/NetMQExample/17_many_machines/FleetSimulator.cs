@@ -1,4 +1,4 @@
-// Lesson 17, a simulator of the fleet: any of lessons 09 and 11, which also says of which build it is. In Python:
+// Lesson 17, a simulator of the fleet: any of lessons 09 to 13, which also says of which build it is. In Python:
 // fleet/simulator.py.
 //
 // An episode that was begun elsewhere is done again here, and must go the same way. So the hub takes simulators of one
@@ -14,7 +14,7 @@ namespace NetMQExample
         private readonly string build;
 
         /// <summary>Wraps a simulator, which nobody else may ask from then on.</summary>
-        /// <param name="simulator">Of a world with one agent.</param>
+        /// <param name="simulator">Of any world.</param>
         /// <param name="build">The build that the hub must expect.</param>
         public FleetSimulator(SimulatorBase simulator, string build) : base(simulator) =>
             this.build = Require.Given("build", build);
@@ -38,14 +38,14 @@ namespace NetMQExample
         }
 
         /// <inheritdoc/>
-        public override void Do(StepRequest request, StepAnswer answer)
+        public override bool Do(StepRequest request, StepAnswer answer, bool again)
         {
-            if (request.Has(Order.Step))
+            if (request.Steps && !again)
             {
                 if (CrashAfter > 0 && Steps >= CrashAfter) Crash?.Invoke($"crash after {Steps} steps, as told");
                 Thread.Sleep(Delay);
             }
-            base.Do(request, answer);
+            return base.Do(request, answer, again);
         }
     }
 }

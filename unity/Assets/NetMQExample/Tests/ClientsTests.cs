@@ -35,6 +35,7 @@ namespace NetMQExample.Tests
                 "^frame [0-9]+: age ", typeof(DrivenCar)),
             new Talk(typeof(GymManager), Reply("welcome"), "^simulating CartPole ", typeof(CartPoleAgent)),
             new Talk(typeof(PursuitGame), Reply("welcome"), "^simulating Pursuit "),
+            new Talk(typeof(CoinField), Reply("welcome"), "^simulating Coins ", typeof(CoinCarAgent)),
             new Talk(typeof(ViewRecorder), Reply("welcome"), " can film front .*, map ", typeof(FilmedDrive)),
             new Talk(typeof(SideChannelClient), request => Seen(), "^1: mass "),
             new Talk(typeof(JobRunner), Reply("result", Succeeded), "succeeded"),
