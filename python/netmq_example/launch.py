@@ -29,6 +29,8 @@ from netmq_example.finalizers import undisturbed
 
 # Set for a program that was launched: the process id of the one that did it.
 VARIABLE = "NETMQ_EXAMPLE_LAUNCHER"
+# And where its views are awaited: not in its words, of which it would have to know each.
+VIEWS = "NETMQ_EXAMPLE_VIEWS"
 # How long a program gets to end by itself.
 END_SECONDS = 2
 # Until when nobody is told again that an endpoint waits: each wrong hello ends an environment, and begins the next one.
@@ -72,14 +74,14 @@ def game(path: str | os.PathLike[str]) -> str:
     raise FileNotFoundError(f"no game at {path}: there is neither this file nor {path}{ending}")
 
 
-def start_program(words: Sequence[str]) -> subprocess.Popen[bytes]:
+def start_program(words: Sequence[str], views: str = "") -> subprocess.Popen[bytes]:
     """In a session of its own, so that all of it can be ended; Ctrl-C is then for Python alone, which ends it.
 
     Its standard input is a pipe of this process, from which it learns that this one has ended, in whatever way.
     """
     # An environment that nobody has any more, but what an interrupted cell of a notebook has left, ends its own now.
     undisturbed(gc.collect)
-    environment = {**os.environ, VARIABLE: str(os.getpid())}
+    environment = {**os.environ, VARIABLE: str(os.getpid()), VIEWS: views}
     try:
         process = subprocess.Popen(words, start_new_session=True, stdin=subprocess.PIPE, env=environment)
     except OSError as error:

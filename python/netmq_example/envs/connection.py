@@ -207,6 +207,8 @@ class Simulators:
         self.wait = check.seconds("wait", wait)
         timeout = check.seconds("timeout", timeout)
         self.launch = program(launch)
+        # Where what is launched sends its views, if they are wanted.
+        self.views = ""
         self.owns_socket = socket is None
         self.owns_context = context is None
         if socket is None:
@@ -236,7 +238,7 @@ class Simulators:
         if self.launch:
             # One that was lost may still be there, and hang.
             self.end()
-            self.process = start_program([*self.launch, "--endpoint", endpoint])
+            self.process = start_program([*self.launch, "--endpoint", endpoint], self.views)
         else:
             say_waiting(endpoint, self.connection.other_side.how_to_start)
         self.connection.wait(self.wait, accept, lambda: why_ended(self.process))

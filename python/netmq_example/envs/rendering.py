@@ -77,7 +77,7 @@ class Rendered:
         launch = remote.simulators.launch
         self.renderer = Renderer(self.render_mode or "", views, endpoint or (FREE_PORT if launch else ENDPOINT))
         if launch:
-            launch += ["--ViewRecorder.endpoint", self.renderer.films.game.endpoint]
+            remote.simulators.views = self.renderer.films.game.endpoint
         # Also when nobody calls close, and when no simulator comes.
         finalizer(self, self.renderer.close)
 

@@ -52,6 +52,9 @@ namespace NetMQExample
             // The last one counts, and one word is as good as two: as in Python.
             int At(string option) => Array.FindLastIndex(words, word => Regex.IsMatch(word, $"^--{option}(=|$)"));
             var at = At($@"{type}\.endpoint");
+            // An environment that has launched the game awaits its views there.
+            var views = type == "ViewRecorder" ? Environment.GetEnvironmentVariable("NETMQ_EXAMPLE_VIEWS") : "";
+            if (at < 0 && !string.IsNullOrEmpty(views)) return views;
             if (at < 0) at = At("endpoint");
             if (at >= 0 && words[at].Contains("=")) return words[at].Split('=')[1];
             if (at >= 0) return words.ElementAtOrDefault(at + 1) ?? "";
