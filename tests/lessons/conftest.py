@@ -231,9 +231,19 @@ class Inside(threading.Thread):
                     socket.send_multipart(frames)
 
 
+def simulated(world="CartPole", count=1, **more):
+    """The simulator of a scene with so many poles or cars."""
+    from netmq_example.scene import Scene, SceneSimulator
+    from netmq_example.worlds.cart_pole import CartPole
+    from netmq_example.worlds.road_car import RoadCar
+
+    kind = {"CartPole": CartPole, "Car": RoadCar}[world]
+    return SceneSimulator(Scene(world, [kind() for _ in range(count)], 0.02, **more))
+
+
 @pytest.fixture
 def inside():
-    """make(socket=inside(Simulator(CartPole())).socket): an environment whose simulator is in this process."""
+    """make(socket=inside(simulated()).socket): an environment whose simulator is in this process."""
     started = []
 
     def start(*simulator, **more):

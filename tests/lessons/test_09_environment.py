@@ -13,6 +13,7 @@ import warnings
 import pytest
 
 from tests.conftest import CLIENTS, PYTHON
+from tests.lessons.conftest import simulated
 from tests.programs import LIMIT, ROOT, finished
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
@@ -20,12 +21,12 @@ np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: kit.py run 9 in
 from gymnasium.utils.env_checker import check_env  # noqa: E402
 
 LESSON, ID = ROOT / "python" / "09_environment", "NetMQExample/CartPole-v0"
-import netmq_example.envs  # noqa: E402
+from netmq_example.envs import UnityGymEnv  # noqa: E402
 from netmq_example.messages import MessageError  # noqa: E402
-from netmq_example.scene.simulator import Simulator  # noqa: E402
+from netmq_example.scene.agent import begin  # noqa: E402
 from netmq_example.wire.split_mix import draws  # noqa: E402
 from netmq_example.worlds import cross_entropy  # noqa: E402
-from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
+from netmq_example.worlds.cart_pole import DT, CartPole  # noqa: E402
 from netmq_example.worlds.road_car import RoadCar  # noqa: E402
 
 # The state of seed 7, as float32; and what is seen 25 steps later, of right and left in turn.
@@ -54,21 +55,15 @@ def env(kind, kept, launch):
     return kept[kind]
 
 
-@pytest.fixture
-def in_python(inside, make):
-    """in_python(CartPole(), …): an environment whose world is in this process."""
-    return lambda world, **where: make(f"NetMQExample/{world.name}-v0", socket=inside(Simulator(world)).socket, **where)
-
-
 # An environment like any other
 
 
 @pytest.mark.parametrize("kind", ["python", "csharp"])
 def test_gymnasiums_checker_finds_nothing(kind, launch, inside):
-    """It makes more of them by itself, and closes them."""
+    """It makes more of them by itself, and closes them. Its films would wait for a view."""
 
     def entry(**more):
-        return netmq_example.envs.ZmqEnv("CartPole", socket=inside(Simulator(CartPole())).socket, **more)
+        return UnityGymEnv("CartPole", socket=inside(simulated()).socket, **more)
 
     gymnasium.register("Test/Inside-v0", entry)
     env = gymnasium.make("Test/Inside-v0") if kind == "python" else gymnasium.make(ID, launch=launch(kind))
@@ -76,7 +71,7 @@ def test_gymnasiums_checker_finds_nothing(kind, launch, inside):
         warnings.simplefilter("error")
         # It says so of any environment that has a wrapper.
         warnings.filterwarnings("ignore", ".*is different from the unwrapped version.*")
-        check_env(env.unwrapped if kind == "python" else env)
+        check_env(env.unwrapped if kind == "python" else env, skip_render_check=True)
     del gymnasium.registry["Test/Inside-v0"]
 
 
@@ -151,10 +146,10 @@ def test_a_picture_shows_the_cart_where_it_is(env):
 # The car of lesson 08
 
 
-def test_the_car_drives_the_same_in_both_languages(in_python, make, launch):
+def test_the_car_drives_the_same_in_both_languages(inside, make, launch):
     """To the last bit: it is made of plus, minus, times, divide and square root."""
-    other = make("NetMQExample/Car-v0", launch=launch("csharp", "--world", "Car"))
-    envs = [in_python(RoadCar()), other]
+    wheres = {"socket": inside(simulated("Car")).socket}, {"launch": launch("csharp", "--world", "Car")}
+    envs = [make("NetMQExample/Car-v0", **where) for where in wheres]
     # In this one it leaves the road; then it brakes.
     for seed, pedal, most in ((7, 0.8, 1000), (1, -0.5, 5)):
         actions = np.random.default_rng(seed)
@@ -170,7 +165,7 @@ def test_the_car_drives_the_same_in_both_languages(in_python, make, launch):
         assert (said[1], abs(mine[0]) > 1) == (most == 1000,) * 2, "beside the road the episode ends"
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        check_env(other.unwrapped, skip_render_check=True, skip_close_check=True)
+        check_env(envs[1].unwrapped, skip_render_check=True, skip_close_check=True)
     for env in envs:
         for state in (-1, -0.5, float("nan"), float("inf"), 2000):
             with pytest.raises(MessageError, match="bad-state: the road has the points 0 to 1999"):
@@ -189,7 +184,8 @@ def test_the_car_may_see_pictures(make, launch):
     assert tuple(seen[100, 0]) != tuple(seen[239, 160]), "the sky is above the road"
     assert np.array_equal(env.render(), seen)
     world = RoadCar()
-    world.reset(draws(0), {}, [100.0])
+    begin(world, draws(0), {}, [100.0])
+    world.on_reset()
     assert np.array_equal(world.render(), seen), "in both languages"
 
 
@@ -217,7 +213,7 @@ def test_it_is_registered_once_and_needs_no_pettingzoo(order, launch, tmp_path):
     path = os.pathsep.join(map(str, (tmp_path, ROOT / "python")))
     done = finished(words, env={**os.environ, "PYTHONPATH": path})
     assert done.returncode == 0, done.stderr
-    assert "ZmqEnv 500 netmq_example.envs.vector_env:ZmqVectorEnv\n" in done.stdout
+    assert "UnityGymEnv 500 netmq_example.envs:UnityVectorEnv\n" in done.stdout
     last = done.stdout.splitlines()[-1]
     assert last == "['NetMQExample/CartPole-v0', 'NetMQExample/Car-v0', 'NetMQExample/Unity-v0']"
 
@@ -226,18 +222,21 @@ def test_it_is_registered_once_and_needs_no_pettingzoo(order, launch, tmp_path):
 
 
 class Bare(gymnasium.Env):  # type: ignore[name-defined]
-    """The world alone, as the trainer uses an environment of it."""
+    """The agent alone, as the trainer uses an environment of it."""
 
-    observation_space, action_space = CartPole().observation, CartPole.action
+    observation_space, action_space = CartPole.observation, CartPole.action
 
     def reset(self, *, seed=None, options=None):
-        self.world = CartPole()
-        self.world.reset(draws(seed), {}, [])
-        return self.world.observe(), {}
+        self.pole = CartPole()
+        begin(self.pole, draws(seed), {}, [])
+        self.pole.on_reset()
+        return self.pole.observe(), {}
 
     def step(self, action):
-        self.world.apply(action)
-        return self.world.observe(), *self.world.reward_and_end().values(), {}
+        self.pole.on_action(action)
+        self.pole.on_tick(DT)
+        self.pole.on_stepped()
+        return self.pole.observe(), 1.0, self.pole.terminated, False, {}
 
 
 def trained(caplog, seed, generations):
