@@ -1,6 +1,4 @@
-"""Lesson 09, what its users get wrong: options, actions, words of launch and of the trainer; and simulations of their
-own, those of the page as they stand there.
-"""
+"""Lesson 09, what its users get wrong: options, actions, words of launch and of the trainer; and scenes of their own."""
 
 from __future__ import annotations
 
@@ -11,12 +9,10 @@ import re
 import shlex
 import signal
 import sys
-import time
 
 import pytest
 import zmq
 
-from kitlib.docs import guide
 from tests.conftest import PYTHON
 from tests.programs import ROOT, Mark, finds_processes, finished, python_runs, steady_endpoint
 
@@ -27,7 +23,7 @@ KEY = "09_environment"
 LESSON = ROOT / "python" / KEY
 from netmq_example.envs import ZmqEnv  # noqa: E402
 from netmq_example.envs.connection import Connection, Simulators, name_of  # noqa: E402
-from netmq_example.messages import Message, MessageError  # noqa: E402
+from netmq_example.messages import Message  # noqa: E402
 from netmq_example.scene.simulator import EnvironmentClient, Simulator  # noqa: E402
 from netmq_example.wire import trees  # noqa: E402
 from netmq_example.wire.records import ANSWERS, ASKS, STEP, Record, read_frames, rewards, seeds  # noqa: E402
@@ -307,102 +303,3 @@ def test_a_word_that_an_environment_does_not_know_is_named():
         ZmqEnv("Ball", lunch=["ball"])
     with pytest.raises(TypeError, match=r"^an environment takes no update_seconds, agent_names; leave it out; several"):
         ZmqEnv("Ball", update_seconds=0.1, agent_names=["ball"])
-
-
-@pytest.fixture
-def ball(tmp_path):
-    """The page's environment and its program, with what goes wrong only where the program never comes."""
-    page = guide.blocks(ROOT / "docs" / "guide" / f"{KEY}.md")
-    script, program = (one.body for one in page if one.language in ("csharp", "python") and '"Ball"' in one.body)
-    for old, new in (
-        ('Name => "Ball";', 'Name => gameObject == null ? "" : "Ball";\n' + TICKS),
-        (
-            "Dt => 0.02;",
-            'Dt => Environment.GetEnvironmentVariable("NO_DT") == null ? 0.02 : throw new Exception("no dt");',
-        ),
-        (
-            "=> seen.Add(place, speed);",
-            "{ if (place < -5) seen.Add(place); else if (place < 5) seen.Add(place, speed); }",
-        ),
-        (
-            "=>\n        (-Math.Abs(place)",
-            '{ info["frame"] = UnityEngine.Time.frameCount; return\n        (-Math.Abs(place)',
-        ),
-        ("> 10, false);", "> 10, false); }"),
-        (
-            "        place += speed",
-            "        if (place > 4 && action[0] == 2)\n"
-            '            throw new ArithmeticException("my mistake");\n        place += speed',
-        ),
-    ):
-        assert script.count(old) == 1
-        script = script.replace(old, new)
-    (tmp_path / "Ball.cs").write_text(script, encoding="utf-8")
-    (tmp_path / "ball.py").write_text(program.replace('"Ball.cs"', repr(str(tmp_path / "Ball.cs"))), encoding="utf-8")
-    return tmp_path / "Ball.cs"
-
-
-def test_the_pages_own_environment_in_the_player(netmq, console, start, make, ball):
-    """By the page's own program, by hand, and by one that shows what it throws. By Hand is ticked in each frame, and
-    what it is asked for off the main thread it can answer.
-    """
-    program = start(PYTHON, ball.with_name("ball.py"))
-    # The first start builds it.
-    assert program.wait(500) == 0, program.output
-    assert re.search(r"^the ball is at -?0\.\d\d$", program.output, re.MULTILINE), program.output
-    # It has no Heuristic: by hand nothing is pressed, which for its action is to the left until it is out.
-    alone = start(PYTHON, "kit.py", "play", ball, "--byHand", "true", "--seconds", "60")
-    alone.wait_for(r"^by hand: \d+ steps, return -\d+\.\d$")
-    # It ends with what it has started.
-    alone.stop()
-    # Its own Dt may throw as well, and then it gives up on its network thread.
-    wrong = start(PYTHON, "kit.py", "play", ball, "--endpoint", steady_endpoint(), NO_DT="1")
-    wrong.wait_for(r"^gave up: System\.Exception: no dt$")
-    wrong.stop()
-    endpoint = steady_endpoint()
-    player = start(PYTHON, "kit.py", "play", ball, "--endpoint", endpoint, "--timeout", "200")
-    gymnasium.register("My/Ball-v0", "netmq_example.envs:ZmqEnv", kwargs={"name": "Ball"})
-    env = make("My/Ball-v0", endpoint=endpoint, wait=500)
-    # First of all: once it has run for a while, .NET puts methods into others, and a trace does not name all of them.
-    env.reset(options={"state": [4.5, 0]})
-    for wrong, text in (
-        (lambda: env.step(2), "^error-in-simulation: ArithmeticException: my mistake$"),
-        (lambda: env.reset(options={"state": [6, 0]}), r"^not-in-space: 0 numbers of 2 is not in Box\("),
-        (lambda: env.reset(options={"state": [-6, 0]}), r"^not-in-space: 1 numbers of 2 is not in Box\("),
-    ):
-        with pytest.raises(MessageError, match=text):
-            wrong()
-    assert env.reset(options={"state": [3, 0]})[0] == pytest.approx([3, 0])
-    # Through several frames: nobody plays by hand meanwhile.
-    assert {env.step(1)[1] for _ in range(200)} == {-3}
-    # A policy of 3 ms is waited for, and makes more than one step in a frame. A busy machine gets five tries.
-    assert any(frames_of_steps(env, 200) < 160 for _ in range(5))
-    env.reset(seed=1)
-    env.close()
-    player.wait()
-    assert "ArithmeticException: my mistake" in player.output and "Ball.Act" in player.output
-    assert "NullReference" not in player.output
-    assert "by hand" not in player.output
-
-
-def frames_of_steps(env, count):
-    """Of a policy that thinks."""
-    frames = set()
-    for _ in range(count):
-        time.sleep(0.003)
-        frames.add(env.step(1)[4]["frame"])
-    return len(frames)
-
-
-# Somebody ticks By Hand in the inspector meanwhile.
-TICKS = """
-    private bool ticked;
-
-    protected override void Update()
-    {
-        ticked = !ticked;
-        typeof(SimulatorBehaviour).GetField("byHand", System.Reflection.BindingFlags.Instance
-            | System.Reflection.BindingFlags.NonPublic).SetValue(this, ticked);
-        base.Update();
-    }
-"""
