@@ -1,4 +1,4 @@
-"""Lesson 09, what its users get wrong: options, actions, words of launch and of the trainer; and scenes of their own."""
+"""Lesson 09, what its users get wrong: options, actions, words of launch and of the trainer; scenes of their own."""
 
 from __future__ import annotations
 
