@@ -37,14 +37,12 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv  # noqa: E402
 from gymnasium.vector.utils import iterate  # noqa: E402
 from gymnasium.wrappers import TimeLimit  # noqa: E402
 
-from netmq_example.envs import ZmqEnv, ZmqVectorEnv  # noqa: E402
+from netmq_example.envs import UnityGymEnv, UnityVectorEnv  # noqa: E402
 from netmq_example.errors import Refused  # noqa: E402
 from netmq_example.messages import Message, MessageError  # noqa: E402
-from netmq_example.scene.areas import AreaSimulator  # noqa: E402
-from netmq_example.scene.simulation import Simulation  # noqa: E402
-from netmq_example.scene.simulator import Simulator  # noqa: E402
+from netmq_example.scene import Agent, Scene, SceneSimulator  # noqa: E402
 from netmq_example.wire import trees  # noqa: E402
-from netmq_example.wire.records import ASKS, RESET, STEP, Record, read, seeds  # noqa: E402
+from netmq_example.wire.records import ASKS, RESET, STEP, Record, Section, read, seeds  # noqa: E402
 from netmq_example.wire.space_bytes import Bytes  # noqa: E402
 from netmq_example.wire.spaces import (  # noqa: E402
     described,
@@ -118,28 +116,36 @@ with contextlib.suppress(TypeError, AssertionError):
     PYTHON_ALONE["cities"] = Graph(Dict({"x": PAIR, "n": Discrete(3)}), Tuple([Discrete(3), PAIR]))
 
 
-class Echo(Simulation):
+class Echo(Agent):
     """One sees what was done last; after a reset, what its option `say` says."""
 
-    dt, size = 0.02, 0
-
-    def __init__(self, name, space):
-        self.name, self.observation, self.action = name, space, space
+    def __init__(self, space):
+        super().__init__("echo")
+        self.observation = self.action = space
         self.said, self.steps = None, 0
 
-    def reset(self, rng, options, state):
-        self.said, self.steps = options["say"], 0
+    def on_reset(self):
+        self.said, self.steps = self.options["say"], 0
 
-    def apply(self, action):
+    def on_action(self, action):
         self.said = action
         self.steps += 1
+
+    def on_stepped(self):
+        self.reward += 0.5 * self.steps
+        self.terminated, self.truncated = self.steps == 3, self.steps == 4
+        self.info["steps"] = self.steps
 
     def observe(self):
         return self.said
 
-    def reward_and_end(self):
-        steps = self.steps
-        return {"reward": 0.5 * steps, "terminated": steps == 3, "truncated": steps == 4, "steps": steps}
+
+def simulator(name, *agents):
+    return SceneSimulator(Scene(name, agents))
+
+
+# Said to a single environment by nobody.
+NOTHING: dict[str, list[object]] = {"env": [], "agent": []}
 
 
 def samples(space, count=6):
@@ -170,11 +176,11 @@ def echoes(env, said):
         if sample not in space and gymnasium.__version__ < "1.4":
             continue
         seen, info = env.reset(options={"say": said(space, sample)})
-        assert data_equivalence(seen, sample, exact=True) and seen in space and info == {}
+        assert data_equivalence(seen, sample, exact=True) and seen in space and info == NOTHING
         for step in range(1, 4):
             before, (seen, *rest) = seen, env.step(sample)
             assert data_equivalence(seen, sample, exact=True)
-            assert rest == [0.5 * step, step == 3, False, {"steps": step}]
+            assert rest == [0.5 * step, step == 3, False, {**NOTHING, "steps": step}]
         # A user may keep it, or write into it.
         if isinstance(seen, np.ndarray):
             assert seen.flags.writeable and not np.shares_memory(before, seen)
@@ -183,7 +189,7 @@ def echoes(env, said):
 @pytest.mark.parametrize("name", [*BOTH, *PYTHON_ALONE])
 def test_what_is_done_in_a_space_is_seen(name, inside):
     space = (BOTH | PYTHON_ALONE)[name]
-    env = ZmqEnv(name, socket=inside(Simulator(Echo(name, space))).socket)
+    env = UnityGymEnv(name, socket=inside(simulator(name, Echo(space))).socket)
     assert env.observation_space == env.action_space == space
     # A Dict keeps the order of its keys, in which an agent flattens it.
     assert str(env.observation_space) == str(space)
@@ -209,7 +215,7 @@ def test_what_is_done_in_a_space_is_seen_in_csharp(program, start):
     endpoint = f"tcp://127.0.0.1:{free_port()}"
     worlds = start(*program, "worlds", endpoint, *BOTH)
     for name, space in BOTH.items():
-        env = ZmqEnv(name, endpoint=endpoint, wait=LIMIT)
+        env = UnityGymEnv(name, endpoint=endpoint, wait=LIMIT)
         assert env.observation_space == env.action_space == space
         echoes(env, without_stacks)
         env.close()
@@ -219,19 +225,28 @@ def test_what_is_done_in_a_space_is_seen_in_csharp(program, start):
 # Bytes
 
 
-def python_says(name, count, digits):
-    """What RecordChecks.cs says."""
-    try:
-        request = read(ASKS, bytes.fromhex(digits))
-    except MessageError as error:
-        return f"error {error.code}"
-    simulator = Simulator(*(Echo(name, BOTH[name]) for _ in range(count)))
-    (frame,) = simulator.answer(request)
+def python_says(name, count, *asks):
+    """What RecordChecks.cs says to the last of these requests."""
+    answering = simulator(name, *(Echo(BOTH[name]) for _ in range(int(count))))
+    answering.hello()
+    for digits in asks:
+        try:
+            (frame,) = answering.answer(read(ASKS, bytes.fromhex(digits)))
+        except MessageError as error:
+            return f"error {error.code}"
     return f"error {json.loads(frame)['values']['code']}" if frame[:1] == b"{" else frame.hex()
 
 
+def begun(name, count=1):
+    """The request before a step of theirs."""
+    (say,) = samples(BOTH[name], 1)
+    options = trees.write({"say": without_stacks(BOTH[name], say)})
+    section = Section(0, seeds(range(count)), bytes([RESET]) * count)
+    return Record(ASKS, 1, [section], said=options).frame().hex()
+
+
 def test_python_agrees_with_the_golden_bytes():
-    hello = Simulator(CartPole()).hello()
+    hello = SceneSimulator(Scene("CartPole", [CartPole()])).hello()
     assert GOLDEN["spaces"].keys() == {"hello", *BOTH}
     for name, space in BOTH.items():
         digits = GOLDEN["spaces"][name]
@@ -239,23 +254,24 @@ def test_python_agrees_with_the_golden_bytes():
         assert space_of(trees.read(bytes.fromhex(digits))) == space
     assert bytes(hello.arrays[0].data).hex() == GOLDEN["spaces"]["hello"]
     for entry in GOLDEN["records"]:
-        assert python_says(entry["space"], entry["areas"], entry["ask"]) == entry["says"], entry["name"]
-    # This one reads: two of three areas begin anew, and one does nothing.
-    (entry,) = [one for one in GOLDEN["records"] if one["name"] == "three areas"]
-    data = trees.write({"say": 1})
-    request = Record(ASKS, 2**40, seeds([7, -1, 0]), [RESET, RESET, STEP], [b"", b"", b"\2" + bytes(7)], options=data)
-    assert request.frame().hex() == entry["ask"]
+        assert python_says(entry["space"], entry["agents"], *entry["asks"]) == entry["says"], entry["name"]
+    # This one reads: two of three agents begin anew, and one steps.
+    (entry,) = [one for one in GOLDEN["records"] if one["name"] == "three agents"]
+    section = Section(0, seeds([7, -1, 0]), bytes([RESET, RESET, STEP]), values=b"\2" + bytes(7))
+    assert Record(ASKS, 2**40, [section], said=trees.write({"say": 1})).frame().hex() == entry["asks"][1]
 
 
 def test_csharp_agrees_with_the_golden_bytes(program):
     assert dict(line.split() for line in said_by(program, "spaces")) == GOLDEN["spaces"]
-    lines = [f"{entry['space']} {entry['areas']} {entry['ask']}" for entry in GOLDEN["records"]]
+    lines = [f"{entry['space']} {entry['agents']} {' '.join(entry['asks'])}" for entry in GOLDEN["records"]]
     for entry, answer in zip(GOLDEN["records"], said_by(program, "rows", lines=lines), strict=True):
         assert answer == entry["says"], entry["name"]
 
 
-def stepped(row):
-    return Record(ASKS, 1, bytes(8), [STEP], [row]).frame()
+def stepped(name, row):
+    """A line for `rows`: a reset, and then this action."""
+    step = Record(ASKS, 2, [Section(0, bytes(8), bytes([STEP]), values=row)]).frame().hex()
+    return f"{name} 1 {begun(name)} {step}"
 
 
 # Each is no row of its space.
@@ -310,11 +326,10 @@ def bad_rows():
 
 
 def test_rows_that_are_none_are_refused_in_both_languages(program):
-    rows = [(name, stepped(row).hex()) for name, row in bad_rows()]
-    assert [one for one in rows if python_says(one[0], 1, one[1]) != "error not-in-space"] == []
-    answers = said_by(program, "rows", lines=[f"{name} 1 {frame}" for name, frame in rows])
-    found = zip(rows, answers, strict=True)
-    assert [(*one, answer) for one, answer in found if answer != "error not-in-space"] == []
+    lines = [stepped(name, row) for name, row in bad_rows()]
+    answers = [python_says(*line.split()) for line in lines] + said_by(program, "rows", lines=lines)
+    found = zip(lines * 2, answers, strict=True)
+    assert [each for each in found if each[1] != "error not-in-space"] == []
 
 
 NONE = b"\0\0\0\0"
@@ -343,9 +358,9 @@ def test_no_number_becomes_another_one_in_both_languages(program):
     lines = []
     for name, wrong in OTHER_NUMBERS.items():
         for value in wrong:
-            ask = Record(ASKS, 1, seeds([1]), [RESET], [b""], options=trees.write({"say": value})).frame().hex()
-            lines.append(f"{name} 1 {ask}")
-    answers = [python_says(name, int(count), ask) for name, count, ask in map(str.split, lines)]
+            section = Section(0, seeds([1]), bytes([RESET]))
+            lines.append(f"{name} 1 {Record(ASKS, 1, [section], said=trees.write({'say': value})).frame().hex()}")
+    answers = [python_says(*line.split()) for line in lines]
     answers += said_by(program, "rows", lines=lines)
     wrong = [answer for answer in zip(lines * 2, answers, strict=True) if not answer[1].startswith("error ")]
     assert wrong == []
@@ -355,9 +370,9 @@ def test_no_number_becomes_another_one_in_both_languages(program):
 
 @pytest.mark.parametrize("pixel", [0.7, 300, -1, np.nan, "red"])
 def test_a_picture_of_other_numbers_is_refused(pixel):
-    world = Echo("pair", PAIR)
-    world.render = lambda: [[[pixel, 0, 0]]]
-    frames = Simulator(world).answer(Message("render", 1))
+    echo = Echo(PAIR)
+    echo.render = lambda: [[[pixel, 0, 0]]]
+    frames = simulator("pair", echo).answer(Message("render", 1))
     with pytest.raises(Refused, match=r"^bad-picture: a picture is uint8 \[height, width, 3\]: "):
         Message.read_reply(frames)
 
@@ -375,7 +390,7 @@ def test_to_say_what_is_wrong_takes_no_more_memory_than_it_shows(many):
 def test_both_languages_agree_on_rows_with_some_bytes_changed(program):
     """Each row is not in the space, or the same is seen. A row of nothing is in its space."""
     at_random = random.Random(1)
-    lines = [f"{name} 1 {stepped(row).hex()}" for name, row in EMPTY.items()]
+    lines = [stepped(name, row) for name, row in EMPTY.items()]
     # How many items of no bytes there may be is not the same.
     for name in sorted(BOTH.keys() - {"nothings"}):
         for row in map(bytearray, map(Bytes(BOTH[name]).write, samples(BOTH[name], 40))):
@@ -383,8 +398,8 @@ def test_both_languages_agree_on_rows_with_some_bytes_changed(program):
                 # Small numbers too, which sizes are.
                 byte = at_random.choice([0, 1, 2, 3, 127, 128, 255, at_random.randrange(256)])
                 row[at_random.randrange(at_random.choice([len(row), min(8, len(row))]))] = byte
-            lines.append(f"{name} 1 {stepped(row).hex()}")
-    mine = [python_says(name, int(count), frame) for name, count, frame in map(str.split, lines)]
+            lines.append(stepped(name, row))
+    mine = [python_says(*line.split()) for line in lines]
     theirs = said_by(program, "rows", lines=lines)
     different = [each for each in zip(lines, mine, theirs, strict=True) if each[1] != each[2]]
     assert different == []
@@ -399,23 +414,29 @@ def test_both_languages_agree_on_rows_with_some_bytes_changed(program):
 class Walk(Echo):
     """It goes on until its steps are as many as its beginning has said."""
 
-    size = 1
+    state_size = 1
 
-    def __init__(self, space):
-        super().__init__("Walk", space)
-
-    def reset(self, rng, options, state):
-        self.observation.seed(int(2**31 * next(rng)))
-        self.last = int(state[0]) if state else 2 + int(5 * next(rng))
+    def on_reset(self):
+        self.observation.seed(int(2**31 * self.rng()))
+        self.last = int(self.state[0]) if self.state else 2 + int(5 * self.rng())
         self.said, self.steps = self.observation.sample(), 0
 
-    def reward_and_end(self):
+    def on_stepped(self):
+        super().on_stepped()
         over = self.steps == self.last
-        return {
-            **super().reward_and_end(),
-            "terminated": over and self.last % 2,
-            "truncated": over and not self.last % 2,
-        }
+        self.terminated, self.truncated = over and self.last % 2, over and not self.last % 2
+
+
+class Quiet(gymnasium.Wrapper):  # type: ignore[name-defined]
+    """A single environment's info has lists, a vector's only where somebody has sent something."""
+
+    def reset(self, **words):
+        seen, info = self.env.reset(**words)
+        return seen, {key: value for key, value in info.items() if value != []}
+
+    def step(self, action):
+        *rest, info = self.env.step(action)
+        return *rest, {key: value for key, value in info.items() if value != []}
 
 
 WALKS = {
@@ -435,10 +456,10 @@ def test_batches_are_those_of_gymnasium(kind, mode, inside):
         return Walk(space_of(trees.read(trees.write(described(space)))))
 
     def single():
-        return TimeLimit(ZmqEnv("Walk", socket=inside(Simulator(walk())).socket), 5)
+        return TimeLimit(Quiet(UnityGymEnv("Walk", socket=inside(simulator("Walk", walk())).socket)), 5)
 
-    areas = inside(AreaSimulator([walk() for _ in range(count)]))
-    ours = ZmqVectorEnv(count, "Walk", 5, mode, socket=areas.socket)
+    many = inside(simulator("Walk", *(walk() for _ in range(count))))
+    ours = UnityVectorEnv(count, "Walk", max_episode_steps=5, autoreset_mode=mode, socket=many.socket)
     theirs = SyncVectorEnv([single] * count, autoreset_mode=mode)
     with contextlib.closing(ours), contextlib.closing(theirs):
         assert ours.metadata["autoreset_mode"] == mode == theirs.metadata["autoreset_mode"]

@@ -29,6 +29,7 @@ from netmq_example.wire.records import (
     WHO,
     Record,
     Section,
+    bad,
     rewards,
     with_infos,
 )
@@ -66,6 +67,8 @@ class Exchange:
         self.seed = seed
         self.autoreset = bool(request.bits & AUTORESET)
         self.asked: list[Asked] = []
+        if not request.sections:
+            raise bad("it has no sections")
         for section in request.sections:
             self.asked.append(self.read(section))
         self.acting = [
@@ -84,7 +87,7 @@ class Exchange:
                 "wrong-agents", f"kind {section.kind} is none, or asked for twice: there are {len(kinds)}"
             )
         if section.columns & ~(SIZES | FORM):
-            raise MessageError("bad-record", f"columns {section.columns} cannot be in a request by Python's clock")
+            raise bad(f"columns {section.columns} cannot be in a request by Python's clock")
         kind = kinds[section.kind]
         rows, count = len(section.marks), len(kind.names)
         if rows != count:

@@ -103,7 +103,7 @@ class SceneSimulator(SimulatorBase):
 
     def do(self, request: Record) -> Record:
         if request.bits & SCENE_CLOCK:
-            raise MessageError("wrong-clock", "this simulator goes by Python's clock, and not by the scene's")
+            raise MessageError("no-clock", "this kit steps by Python's clock, and not yet by the scene's own")
         self.roster.sync()
         exchange = Exchange(self.scene, self.roster, request, self.seed)
         self.warn(exchange.asked)

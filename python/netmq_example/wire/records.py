@@ -256,7 +256,7 @@ def read_section(kind: int, view: memoryview, at: int, choices: Sequence[int]) -
         raise bad("it ends too early")
     end_of_numbers = begin + 8 * count
     marks = bytes(view[end_of_numbers : end_of_numbers + count])
-    if zero or columns > 127 or infos > count or (marks and max(marks) > MOST_MARK[kind]):
+    if zero or not count or columns > 127 or infos > count or (marks and max(marks) > MOST_MARK[kind]):
         raise bad(f"a section of {count} rows, columns {columns} and {infos} infos cannot be")
     section = Section(which, view[begin:end_of_numbers], marks, columns=columns)
     rows = len(marks.translate(None, WITHOUT_VALUES[kind]))

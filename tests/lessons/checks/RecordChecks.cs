@@ -1,7 +1,8 @@
 // test_09_spaces.py asks this of the C# side:
 //
-//     rows                      each line of the input is a space's name, a number of areas and a request, in
-//                               hexadecimal digits; it is answered with the answer, or "error" and the code
+//     rows                      each line of the input is a space's name, a number of agents and requests, in
+//                               hexadecimal digits; it is answered with the answer to the last one, or "error" and the
+//                               code
 //     large                     why int64 beyond what a double knows exactly is no space
 //     spaces                    what a hello says of CartPole's spaces, and of each space here
 //     worlds ENDPOINT NAME …    simulates a world of each of these spaces, one after the other
@@ -68,26 +69,32 @@ namespace NetMQExample.Tests
 
         private static string Answer(string[] words)
         {
-            var areas = Enumerable.Range(0, int.Parse(words[1], CultureInfo.InvariantCulture));
-            var simulator = new Simulator(areas.Select(_ => new Echo(words[0], Spaces[words[0]])).ToArray());
+            var simulator = Of(words[0], int.Parse(words[1], CultureInfo.InvariantCulture));
+            simulator.Hello();
             var request = new StepRequest();
-            try
+            foreach (var digits in words.Skip(2))
             {
-                request.Read(Hex.Bytes(words[2]));
+                try
+                {
+                    request.Read(Hex.Bytes(digits));
+                }
+                catch (MessageException e)
+                {
+                    return $"error {e.Code}";
+                }
+                simulator.Answer(request);
             }
-            catch (MessageException e)
-            {
-                return $"error {e.Code}";
-            }
-            simulator.Answer(request);
             return simulator.Reply == null
                 ? Hex.Digits(simulator.Frame.ToArray())
                 : $"error {simulator.Reply.Values["code"]}";
         }
 
+        private static SceneSimulator Of(string name, int count) => new SceneSimulator(
+            name, 0.02, Enumerable.Range(0, count).Select(_ => new Echo(Spaces[name])).ToArray());
+
         private static void Describe()
         {
-            var hello = new Simulator(new CartPole()).Describe();
+            var hello = new SceneSimulator("CartPole", 0.02, new[] { new CartPole() }).Describe();
             Console.WriteLine($"hello {Hex.Digits(hello.Arrays.Single().Data.ToArray())}");
             foreach (var one in Spaces)
                 Console.WriteLine($"{one.Key} {Hex.Digits(MessageTree.Write(one.Value.Description))}");
@@ -102,7 +109,7 @@ namespace NetMQExample.Tests
         private static void Simulate(string name, string endpoint)
         {
             using var client = new EnvironmentClient(endpoint, TimeSpan.FromSeconds(60), Console.WriteLine);
-            client.Run(new Simulator(new Echo(name, Spaces[name])), 0, answer => answer());
+            client.Run(Of(name, 1), 0, answer => answer());
         }
 
         private static MessageArray Array(string dtype, params double[] numbers)
@@ -119,28 +126,21 @@ namespace NetMQExample.Tests
         }
     }
 
-    internal sealed class Echo : ISimulation
+    internal sealed class Echo : PlainAgent
     {
         private object said;
         private double[] numbers;
         private int steps;
 
-        public Echo(string name, GymSpace space) => (Name, Observation) = (name, space);
+        public Echo(GymSpace space) : base("echo") => Observation = space;
 
-        public string Name { get; }
+        public override GymSpace Observation { get; }
 
-        public double Dt => 0.02;
+        public override GymSpace Action => Observation;
 
-        public int StateSize => 0;
+        public override void OnReset() => (said, numbers, steps) = (Options["say"], null, 0);
 
-        public GymSpace Observation { get; }
-
-        public GymSpace Action => Observation;
-
-        public void ResetWorld(RandomGenerator random, IReadOnlyDictionary<string, object> options, double[] state) =>
-            (said, numbers, steps) = (options["say"], null, 0);
-
-        public void Apply(SpaceReader action)
+        public override void OnAction(SpaceReader action)
         {
             // Every second time as numbers, where it is numbers.
             numbers = action.Count > 0 && steps % 2 == 1
@@ -150,18 +150,18 @@ namespace NetMQExample.Tests
             steps++;
         }
 
-        public void Observe(SpaceWriter seen)
+        public override void OnStepped()
+        {
+            AddReward(0.5 * steps);
+            if (steps == 3) Terminate();
+            if (steps == 4) Truncate();
+            Info["steps"] = steps;
+        }
+
+        public override void Observe(SpaceWriter seen)
         {
             if (numbers == null) seen.Set(said);
             else seen.Add(numbers);
         }
-
-        public (double Reward, bool Terminated, bool Truncated) RewardAndEnd(IDictionary<string, object> info)
-        {
-            info["steps"] = steps;
-            return (0.5 * steps, steps == 3, steps == 4);
-        }
-
-        public MessageArray Render() => throw new NotSupportedException();
     }
 }
