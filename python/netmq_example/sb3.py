@@ -1,104 +1,115 @@
-"""Stable-Baselines3: many areas as its VecEnv, and a scene's spaces as its policies take them.
+"""Stable-Baselines3: many agents as its VecEnv.
 
-    from netmq_example.sb3 import Areas, PlainSpaces
+    from netmq_example.sb3 import PlainSpaces, UnityVecEnv
 
-    envs = gymnasium.make_vec("NetMQExample/CartPole-v0", 16, autoreset_mode="SameStep", launch=…)
-    PPO("MlpPolicy", VecMonitor(Areas(envs))).learn(100_000)
+    envs = UnityVecEnv("NetMQExample/CartPole-v0", 16, launch=…)              what gymnasium.make_vec takes
+    PPO("MlpPolicy", VecMonitor(envs)).learn(100_000)
 
-    env = PlainSpaces(gymnasium.make("NetMQExample/Unity-v0", env_name="Coins", …))
-    PPO("MultiInputPolicy", env).learn(100_000)
+It also takes an environment that `gymnasium.make_vec` has made, with autoreset_mode="SameStep". Its policies take
+arrays, and a dict of arrays: other spaces become plain as in envs/plain_spaces.py, whose PlainSpaces is for one agent.
 
-Its policies take arrays, and a dict of arrays. Where a space has more in it, such as dicts in dicts, sequences or
-texts, both make a plain one of it:
-
-    what is seen becomes a dict of arrays. A part of a part has both keys, as last_push. Of a sequence of arrays the
-    first 8 are seen, and zeros in place of those that are not there. Texts and graphs are left out.
-    what is done becomes one array from -1 to 1. A number of a box goes from its lowest to its highest; of a discrete
-    space there is a number for each choice, and the largest one is done.
+For MaskablePPO of sb3-contrib an agent has a part `action_mask` in its observation, or in its info. For hindsight
+replay, `compute_reward` is one more word: a function of what was achieved, what was desired, and infos.
 
 It needs stable-baselines3, which needs torch.
 """
 
-from collections.abc import Callable, Iterator
-from typing import Any
+import copy
+import importlib
+import warnings
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 from netmq_example.extras import without
 
 try:
     import gymnasium
     import numpy as np
-    from gymnasium import spaces
-    from gymnasium.spaces import Space
     from gymnasium.utils.env_checker import data_equivalence
     from gymnasium.vector import AutoresetMode
-    from gymnasium.vector.utils import iterate
     from stable_baselines3.common.vec_env import VecEnv
 except ImportError as error:
     raise without(error) from None
 
-from netmq_example.wire.space_bytes import together
+from netmq_example.envs import UNITY
+from netmq_example.envs.plain_spaces import Plain, PlainSpaces
+from netmq_example.envs.vector_env import UnityVectorEnv
 
-__all__ = ["Areas", "PlainSpaces"]
-
-# How many items of a sequence a policy sees.
-MOST_ITEMS = 8
-ARRAYS = (spaces.Box, spaces.Discrete, spaces.MultiDiscrete, spaces.MultiBinary)
-
-Look = Callable[[Any], Any]
+__all__ = ["PlainSpaces", "UnityVecEnv"]
 
 
-class Areas(VecEnv):  # type: ignore[misc, unused-ignore]
-    """All areas of a simulator, all agents of a scene, or all simulators of a fleet, as `make_vec` has made them."""
+class UnityVecEnv(VecEnv):  # type: ignore[misc, unused-ignore]
+    """All agents of a scene, or all simulators of a fleet: an id and how many, or what `make_vec` has made."""
 
-    def __init__(self, envs: Any) -> None:
-        if envs.metadata["autoreset_mode"] != AutoresetMode.SAME_STEP:
+    def __init__(
+        self, envs: Any, num_envs: int = 1, compute_reward: Callable[..., Any] | None = None, **words: Any
+    ) -> None:
+        self.envs = made(envs, num_envs, words) if isinstance(envs, str) else envs
+        if self.envs.metadata["autoreset_mode"] != AutoresetMode.SAME_STEP:
             raise ValueError('Stable-Baselines3 wants the next episode at once: make_vec(…, autoreset_mode="SameStep")')
-        self.envs = envs
+        self.plain = Plain(self.envs.single_observation_space, self.envs.single_action_space)
+        # Each one's infos are those of an environment of this package as they were sent, and of a wrapper as it has
+        # gathered them.
+        self.exact = isinstance(self.envs, UnityVectorEnv)
+        # What is seen now, as the scene has it, and what was said with it.
+        self.seen: Any = None
+        self.said: list[dict[str, Any]] = []
+        if compute_reward:
+            self.compute_reward = compute_reward
+        super().__init__(self.envs.num_envs, self.plain.observation_space, self.plain.action_space)
         # VecVideoRecorder takes its rate from here.
-        self.metadata = envs.metadata
-        self.plain = Plain(envs.single_observation_space, envs.single_action_space)
-        super().__init__(envs.num_envs, self.plain.observation_space, self.plain.action_space)
+        self.metadata = self.envs.metadata
 
     def reset(self) -> Any:
-        options, *others = getattr(self, "_options", [{}])
+        options, *others = self._options
         if not all(data_equivalence(options, other) for other in others):
-            raise ValueError("the areas are one simulator: set_options takes one dict for all of them")
-        seen, infos = self.envs.reset(seed=self._seeds, options=options)
-        self.seen = self.look(seen)
-        self.reset_infos = [said_of(infos, area) for area in range(self.num_envs)]
+            raise ValueError("the agents are one simulator: set_options takes one dict for all of them")
+        self.seen, infos = self.envs.reset(seed=self._seeds, options=options)
+        self.said = self.reset_infos = self.each(infos)
         # Both are for one reset.
         self._reset_seeds()
-        self._options: list[dict[str, Any]] = [{}]
-        return self.seen
+        self._reset_options()
+        return self.plain.look(self.seen, self.num_envs)
 
     def step_async(self, actions: Any) -> None:
-        self.actions = np.asarray(actions, self.action_space.dtype)
-        if self.plain.numbers:
-            chosen = [self.plain.choose(numbers) for numbers in self.actions]
-            self.actions = together(self.envs.single_action_space, chosen)
+        self.actions = self.plain.choose(np.asarray(actions, self.action_space.dtype))
 
     def step_wait(self) -> Any:
-        before = self.seen
-        seen, rewards, terminated, truncated, infos = self.envs.step(self.actions)
-        self.seen = self.look(seen)
+        self.seen, rewards, terminated, truncated, infos = self.envs.step(self.actions)
         over = terminated | truncated
-        said = [said_of(infos, area) for area in range(self.num_envs)]
-        for area in np.flatnonzero(over):
-            ended = said[area].pop("final_info", {})
-            last = said[area].pop("final_obs", None)
-            self.reset_infos[area] = dict(said[area])
-            # Of an area that was lost while others began anew it is the observation before.
-            last = of_one(before, int(area)) if last is None else self.plain.look(last)
-            # The time was up, and not the world at its end: PPO then adds what it expects from the last observation.
-            by_time = bool(truncated[area] and not terminated[area])
-            said[area] |= {**ended, "terminal_observation": last, "TimeLimit.truncated": by_time}
-        return self.seen, rewards.astype(np.float32), over, said
+        said = self.said = self.each(infos)
+        if over.any():
+            said = self.ended(infos, np.flatnonzero(over).tolist(), truncated & ~terminated)
+        return self.plain.look(self.seen, self.num_envs), rewards.astype(np.float32), over, said
 
-    def look(self, batch: Any) -> Any:
-        if not self.plain.parts:
-            return batch
-        each = [self.plain.look(seen) for seen in iterate(self.envs.observation_space, batch)]
-        return {key: np.stack([one[key] for one in each]) for key in self.plain.parts}
+    def each(self, infos: dict[str, Any]) -> list[dict[str, Any]]:
+        if self.exact:
+            return self.envs.infos.listed()  # type: ignore[no-any-return]
+        return [said_of(infos, agent) for agent in range(self.num_envs)]
+
+    def ended(self, infos: dict[str, Any], agents: list[int], by_time: Any) -> list[dict[str, Any]]:
+        """Infos of the last step of their episodes. What was said with the first of the next is in reset_infos."""
+        said = list(self.said)
+        self.reset_infos = list(self.reset_infos)
+        for agent in agents:
+            one = said[agent]
+            final = self.envs.final_infos[agent] if self.exact else {**one, **one.pop("final_info", {})}
+            self.reset_infos[agent] = one
+            # The time was up, and not the world at its end: PPO then adds what it expects from the last observation.
+            said[agent] = {
+                **final,
+                "terminal_observation": self.plain.look(infos["final_obs"][agent]),
+                "TimeLimit.truncated": bool(by_time[agent]),
+            }
+        return said
+
+    def action_masks(self) -> Any:
+        """Of each agent what it may do now. AttributeError: nobody says it."""
+        if isinstance(self.seen, dict) and "action_mask" in self.seen:
+            return row_of(self.seen["action_mask"], (self.num_envs, -1))
+        if not all("action_mask" in one for one in self.said):
+            raise AttributeError("no action_mask is in what the agents see, and not in each one's info")
+        return np.stack([row_of(one["action_mask"], (-1,)) for one in self.said])
 
     def get_images(self) -> list[Any]:
         return list(self.envs.render() or [])
@@ -106,160 +117,74 @@ class Areas(VecEnv):  # type: ignore[misc, unused-ignore]
     def close(self) -> None:
         self.envs.close()
 
-    def get_attr(self, name: str, indices: Any = None) -> list[Any]:
-        values = self.envs.get_attr(name)
-        return [values[area] for area in self._get_indices(indices)]
+    def is_own(self, name: str) -> bool:
+        """Whether it is of this one or of a class derived from it, and not what each environment would have."""
+        return hasattr(self, name) and not hasattr(VecEnv, name)
 
-    def set_attr(self, name: str, value: Any, indices: Any = None) -> None:
-        self.envs.set_attr(name, value)
+    def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
+        agents = list(self._get_indices(indices))
+        if attr_name == "action_masks" and self.said:
+            # Whether there are any: MaskablePPO asks so.
+            self.action_masks()
+        if self.is_own(attr_name):
+            return [getattr(self, attr_name)] * len(agents)
+        values = self.envs.unwrapped.get_attr(attr_name)
+        return [values[agent] for agent in agents]
 
-    def env_method(self, name: str, *words: Any, indices: Any = None, **options: Any) -> list[Any]:
-        values = self.envs.call(name, *words, **options)
-        return [values[area] for area in self._get_indices(indices)]
+    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
+        if {*self._get_indices(indices)} != {*range(self.num_envs)}:
+            raise ValueError(f"{attr_name} is the same for all agents: leave out indices")
+        if self.is_own(attr_name):
+            setattr(self, attr_name, value)
+        else:
+            self.envs.unwrapped.set_attr(attr_name, value)
 
-    def env_is_wrapped(self, wrapper: Any, indices: Any = None) -> list[bool]:
+    def env_method(self, method_name: str, *method_args: Any, indices: Any = None, **method_kwargs: Any) -> list[Any]:
+        agents = list(self._get_indices(indices))
+        if method_name == "action_masks":
+            values = self.action_masks()
+        elif self.is_own(method_name):
+            values = [getattr(self, method_name)(*method_args, **method_kwargs)] * self.num_envs
+        else:
+            values = self.envs.unwrapped.call(method_name, *method_args, **method_kwargs)
+        return [values[agent] for agent in agents]
+
+    def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
         return [False for _ in self._get_indices(indices)]
 
 
-def of_one(batch: Any, area: int) -> Any:
-    return {key: part[area] for key, part in batch.items()} if isinstance(batch, dict) else batch[area]
+def made(name: str, num_envs: int, words: dict[str, Any]) -> Any:
+    module, _, name = name.rpartition(":")
+    if module:
+        importlib.import_module(module)
+    spec = copy.deepcopy(gymnasium.spec(name))
+    if spec.entry_point == UNITY["entry_point"]:
+        # Also where it was registered without that.
+        spec.vector_entry_point = UNITY["vector_entry_point"]
+    words = {"vectorization_mode": "vector_entry_point", "autoreset_mode": AutoresetMode.SAME_STEP, **words}
+    return gymnasium.make_vec(spec, num_envs, **words)
 
 
-def said_of(infos: dict[str, Any], area: int) -> dict[str, Any]:
-    """The info of one area in a vector's infos, where _name beside each name says which areas have it."""
+def said_of(infos: dict[str, Any], agent: int) -> dict[str, Any]:
+    """The info of one agent in a vector's infos, where _name beside each name says who has one."""
     said = {}
     for name, values in infos.items():
-        if f"_{name}" in infos and infos[f"_{name}"][area]:
-            said[name] = said_of(values, area) if isinstance(values, dict) else values[area]
+        if name != "final_obs" and f"_{name}" in infos and infos[f"_{name}"][agent]:
+            said[name] = said_of(values, agent) if isinstance(values, dict) else values[agent]
     return said
 
 
-class PlainSpaces(gymnasium.Wrapper[Any, Any, Any, Any]):
-    """One environment, whose spaces are plain."""
-
-    def __init__(self, env: gymnasium.Env[Any, Any]) -> None:
-        super().__init__(env)
-        self.plain = Plain(env.observation_space, env.action_space)
-        self.observation_space = self.plain.observation_space
-        self.action_space = self.plain.action_space
-
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> Any:
-        seen, info = self.env.reset(seed=seed, options=options)
-        return self.plain.look(seen), info
-
-    def step(self, action: Any) -> Any:
-        seen, *rest = self.env.step(self.plain.choose(action))
-        return self.plain.look(seen), *rest
+def row_of(mask: Any, shape: tuple[int, ...]) -> Any:
+    """Those of several choices stand one after the other."""
+    parts = mask if isinstance(mask, tuple | list) else [mask]
+    return np.concatenate([np.reshape(part, shape) for part in parts], axis=-1) > 0
 
 
-class Plain:
-    """Both ways between spaces and plain ones. A space that is plain already stays as it is."""
+# The name of version 0.3, for one version more.
+if not TYPE_CHECKING:
 
-    def __init__(self, seen: Space[Any], done: Space[Any]) -> None:
-        self.done = done
-        self.observation_space = seen
-        self.action_space = done
-        # The look of each part of an observation, and the count of an action's numbers; none where a space stays.
-        self.parts: dict[str, Look] = {}
-        self.numbers = 0
-        flat = isinstance(seen, spaces.Dict) and all(isinstance(part, ARRAYS) for part in seen.values())
-        if not flat and not isinstance(seen, ARRAYS):
-            parts = list(parts_of(seen, "", lambda value: value))
-            self.parts = {key: look for key, _, look in parts}
-            if not parts or len(self.parts) < len(parts):
-                raise ValueError(f"nothing is left, or two parts have one name: {[key for key, *_ in parts]}")
-            self.observation_space = spaces.Dict({key: space for key, space, _ in parts})
-        if not isinstance(done, ARRAYS):
-            self.numbers = numbers_of(done)
-            self.action_space = spaces.Box(-1, 1, (self.numbers,), np.float32)
-
-    def look(self, seen: Any) -> Any:
-        return {key: look(seen) for key, look in self.parts.items()} if self.parts else seen
-
-    def choose(self, action: Any) -> Any:
-        if not self.numbers:
-            return action
-        return chosen(self.done, list(np.clip(np.asarray(action, np.float64), -1, 1)))
-
-
-def parts_of(space: Space[Any], key: str, look: Look) -> Iterator[tuple[str, Space[Any], Look]]:
-    """Keys, each with its space, and what takes it out of the whole."""
-    match space:
-        case spaces.Dict():
-            for name, part in space.items():
-                yield from parts_of(part, joined(key, name), part_of(look, name))
-        case spaces.Tuple():
-            for at, part in enumerate(space):
-                yield from parts_of(part, joined(key, str(at)), part_of(look, at))
-        case spaces.Sequence() if isinstance(space.feature_space, spaces.Box):
-            box = space.feature_space
-            many = spaces.Box(
-                np.minimum(0, np.broadcast_to(box.low, (MOST_ITEMS, *box.shape))),
-                np.maximum(0, np.broadcast_to(box.high, (MOST_ITEMS, *box.shape))),
-                dtype=box.dtype.type,
-            )
-            yield key, many, lambda seen: filled(many, look(seen))
-        case spaces.Box() | spaces.Discrete() | spaces.MultiDiscrete() | spaces.MultiBinary():
-            yield key or "seen", space, look
-
-
-def part_of(look: Look, key: str | int) -> Look:
-    return lambda seen: look(seen)[key]
-
-
-def joined(key: str, name: str) -> str:
-    # torch takes no point in the name of a part.
-    return f"{key}_{name}" if key else name
-
-
-def filled(many: spaces.Box, items: Any) -> Any:
-    array = np.zeros(many.shape, many.dtype)
-    for at, item in enumerate(list(items)[:MOST_ITEMS]):
-        array[at] = item
-    return array
-
-
-def numbers_of(space: Space[Any]) -> int:
-    """How many numbers what is done takes."""
-    match space:
-        case spaces.Dict():
-            return sum(map(numbers_of, space.values()))
-        case spaces.Tuple():
-            return sum(map(numbers_of, space))
-        case spaces.Box() | spaces.MultiBinary():
-            return int(np.prod(space.shape))
-        case spaces.Discrete():
-            return int(space.n)
-        case spaces.MultiDiscrete():
-            return int(space.nvec.sum())
-    raise ValueError(f"no policy of Stable-Baselines3 does what is in {space}")
-
-
-def chosen(space: Space[Any], left: list[float]) -> Any:
-    """Takes its numbers from the beginning of those that are left."""
-
-    def take(count: Any) -> Any:
-        numbers = np.array(left[: int(count)])
-        del left[: int(count)]
-        return numbers
-
-    match space:
-        case spaces.Dict():
-            return {key: chosen(part, left) for key, part in space.items()}
-        case spaces.Tuple():
-            return tuple(chosen(part, left) for part in space)
-        case spaces.Discrete():
-            return space.start + np.argmax(take(space.n))
-        case spaces.MultiDiscrete():
-            most = np.reshape([np.argmax(take(count)) for count in space.nvec.flat], space.shape)
-            return (space.start + most).astype(space.dtype)
-        case spaces.MultiBinary():
-            return (take(np.prod(space.shape)) > 0).astype(space.dtype).reshape(space.shape)
-        case spaces.Box():
-            low, high = space.low.astype(np.float64), space.high.astype(np.float64)
-            numbers = take(np.prod(space.shape)).reshape(space.shape)
-            if space.is_bounded():
-                numbers = low + (numbers + 1) / 2 * (high - low)
-            # As a float32 it may be a little more than its highest.
-            return np.clip(numbers, low, high).astype(space.dtype).clip(space.low, space.high)
-    raise ValueError(f"no policy of Stable-Baselines3 does what is in {space}")
+    def __getattr__(name):
+        if name != "Areas":
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        warnings.warn("Areas is UnityVecEnv now, which also takes an id", DeprecationWarning, stacklevel=2)
+        return UnityVecEnv

@@ -22,6 +22,7 @@ from netmq_example.extras import without
 if TYPE_CHECKING:
     from netmq_example.envs.gym_env import UnityGymEnv
     from netmq_example.envs.parallel_env import UnityAECEnv, UnityParallelEnv
+    from netmq_example.envs.plain_spaces import PlainSpaces
     from netmq_example.envs.side_channels import carry
     from netmq_example.envs.vector_env import UnityVectorEnv
 
@@ -31,6 +32,7 @@ except ImportError as error:
     raise without(error) from None
 
 __all__ = [
+    "PlainSpaces",
     "UnityAECEnv",
     "UnityGymEnv",
     "UnityParallelEnv",
@@ -61,6 +63,7 @@ if not TYPE_CHECKING:
     ROOMS = {
         "gym_env": "UnityGymEnv",
         "parallel_env": "UnityAECEnv UnityParallelEnv",
+        "plain_spaces": "PlainSpaces",
         "side_channels": "carry",
         "vector_env": "UnityVectorEnv",
     }

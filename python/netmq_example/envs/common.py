@@ -11,6 +11,7 @@ LONGEST_OPTIONS = 16 * 1024 * 1024
 OTHERS = {
     "name": "it is env_name",
     "agent_names": "several agents are the keys of observation_spaces, and a single one is agent_name",
+    "autoreset_mode": "register this id with vector_entry_point, or leave it out",
     "update_seconds": "leave it out",
     "reward_range": "leave it out",
 }

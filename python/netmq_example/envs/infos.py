@@ -40,6 +40,12 @@ class Infos:
         agent = range(self.count)[agent]
         return {**self.everyone, **self.each.get(agent, {}), **self.added.get(agent, {})}
 
+    def listed(self) -> list[dict[str, Any]]:
+        """A dict for each agent, its user's own."""
+        if self.section is None and not self.everyone and not self.added:
+            return [{} for _ in range(self.count)]
+        return [self[agent] for agent in range(self.count)]
+
     def add(self, agent: int, info: dict[str, Any]) -> None:
         self.added[agent] = {**self.added.get(agent, {}), **info}
 

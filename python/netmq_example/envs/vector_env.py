@@ -340,16 +340,27 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
     def with_finals(self, infos: dict[str, Any], before: Any) -> dict[str, Any]:
         """The last observation and info of each episode that is over."""
         each = None
+        last: dict[int, Any] = {}
         for agent in np.flatnonzero(self.over).tolist():
             if agent in self.final_infos:
-                final = self.last.one(agent)
+                last[agent] = self.last.one(agent)
             else:
                 # Whoever has left was seen last before.
                 each = list(iterate(self.observation_space, before)) if each is None else each
-                final = each[agent]
+                last[agent] = each[agent]
                 self.final_infos[agent] = self.infos[agent]
-            infos = self._add_info(infos, {"final_obs": final, "final_info": self.final_infos[agent]}, agent)
-        return infos
+        return self.with_last(infos, last)
+
+    def with_last(self, infos: dict[str, Any], last: dict[int, Any]) -> dict[str, Any]:
+        seen = np.full(self.num_envs, None, object)
+        mask = np.zeros(self.num_envs, bool)
+        said = Infos(self.num_envs)
+        for agent, one in last.items():
+            seen[agent] = one
+            mask[agent] = True
+            said.add(agent, self.final_infos[agent])
+        finals = {"final_obs": seen, "_final_obs": mask, "final_info": said.mixed(), "_final_info": mask.copy()}
+        return {**infos, **finals}
 
     def lost(self, why: str) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
         """The simulator is gone, and so are all episodes. The last observations stand for unknown ones."""
@@ -361,10 +372,8 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
         if self.autoreset_mode == AutoresetMode.SAME_STEP:
             finals = list(iterate(self.observation_space, seen))
             seen = self.begin(self.over, {})
-            infos = self.infos.gathered()
-            for agent, final in enumerate(finals):
-                self.final_infos[agent] = {"lost": why}
-                infos = self._add_info(infos, {"final_obs": final, "final_info": {"lost": why}}, agent)
+            self.final_infos = {agent: {"lost": why} for agent in range(self.num_envs)}
+            infos = self.with_last(self.infos.gathered(), dict(enumerate(finals)))
         self.filmed(begins=False)
         return seen, nothing, nothing > 0, nothing == 0, infos
 
