@@ -283,6 +283,7 @@ class Exchange:
         numbers = [0.0] * count
         infos: dict[int, bytes] = {}
         seeing: list[Agent] = []
+        telling: dict[int, Agent] = {}
         for row, order in enumerate(one.orders):
             agent = kind.present[row]
             if agent is None:
@@ -302,10 +303,13 @@ class Exchange:
                 kind.begun[row] = False
             elif marks[row] & SEEN:
                 seeing.append(agent)
+            telling[row] = agent
+        rows = self.seen(kind, seeing)
+        # What an agent says while it observes belongs to this answer.
+        for row, agent in telling.items():
             numbers[row], info = take(agent)
             if info:
                 infos[row] = info
-        rows = self.seen(kind, seeing)
         if one.last and not self.autoreset:
             each = iter(rows)
             rows = [one.last[row] if row in one.last else next(each) for row, mark in enumerate(marks) if mark & SEEN]

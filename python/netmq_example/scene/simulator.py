@@ -137,14 +137,15 @@ class SceneSimulator(SimulatorBase):
 
     def picture(self, request: Message) -> Message:
         whole = self.scene.render()
-        agents = [agent for kind in self.roster for agent in kind.present if agent]
-        pictures = (
-            [picture for agent in agents if (picture := agent.render()) is not None] if whole is None else [whole]
-        )
-        if not pictures:
-            raise MessageError(
-                "no-picture", f"{self.name} draws no pictures: write a render of the scene or its agents"
-            )
+        pictures = [whole]
+        if whole is None:
+            # One of each row: whoever is away, or draws nothing, is black.
+            each = [agent.render() if agent else None for kind in self.roster for agent in kind.present]
+            drawn = next((picture for picture in each if picture is not None), None)
+            if drawn is None:
+                cure = "write a render of the scene or its agents"
+                raise MessageError("no-picture", f"{self.name} draws no pictures: {cure}")
+            pictures = [np.zeros_like(drawn) if picture is None else picture for picture in each]
         try:
             arrays = [exactly(picture, np.dtype(np.uint8)) for picture in pictures]
         except (ArithmeticError, TypeError) as error:
