@@ -165,6 +165,7 @@ namespace NetMQExample
                 GiveUp(e.Message);
                 return;
             }
+            GaveUp = false;
             if (!All.Contains(this)) All.Add(this);
             if (!first) return;
             WarnOfClock();
@@ -174,8 +175,12 @@ namespace NetMQExample
         /// <summary>Leaves. An override calls base.OnDisable().</summary>
         protected virtual void OnDisable() => All.Remove(this);
 
+        // Of no use to Python: what is wrong with it was said.
+        internal bool GaveUp { get; private set; }
+
         internal void GiveUp(string why)
         {
+            GaveUp = true;
             Debug.LogError($"gave up: {why}");
             enabled = false;
         }

@@ -12,6 +12,8 @@ namespace NetMQExample
     {
         // While a simulator resets or steps on this thread.
         [ThreadStatic] internal static bool Inside;
+        // How often a script has named an agent.
+        [ThreadStatic] internal static int Renames;
 
         private readonly InfoList infos = new InfoList();
         private readonly Dictionary<string, object> info = new Dictionary<string, object>();
@@ -31,7 +33,7 @@ namespace NetMQExample
             foreach (var member in Observed.Members(Require.Given("observed", observed).GetType()))
                 Sources.Add(new Source(member.FullName,
                     () => Parse(member.FullName, member.Locator, member.Name, Scope), () => member.Read(observed))
-                { Write = (to, form) => member.Write(observed, to, form) });
+                { Write = (to, last) => member.Write(observed, to, last) });
             var twice = Sources.GroupBy(source => source.Locator.ToString())
                 .FirstOrDefault(group => group.Count() > 1 && !group.First().Locator.Mappings.Any(one => one.Appends));
             if (twice != null)
@@ -114,7 +116,11 @@ namespace NetMQExample
 
         internal void Call(string name, bool given = false)
         {
-            if (given) (Given, Row) = (name, null);
+            if (given)
+            {
+                (Given, Row) = (name, null);
+                Renames++;
+            }
             if (name == Name) return;
             Name = name;
             Scope = ScopeOf(name);
@@ -172,7 +178,7 @@ namespace NetMQExample
 
         private static Locator ScopeOf(string name) => Locator.Parse(LocatorMapping.Quoted(name) + "@");
 
-        private static Locator Parse(string name, string locator, string standard, Locator scope)
+        internal static Locator Parse(string name, string locator, string standard, Locator scope)
         {
             try { return Locator.Parse(locator, standard, scope); }
             catch (LocatorException e) { throw new ArgumentException($"{name}, locator \"{locator}\": {e.Message}"); }

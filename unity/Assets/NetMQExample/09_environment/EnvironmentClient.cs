@@ -105,7 +105,18 @@ namespace NetMQExample
         private void Talk(
             SimulatorBase simulator, int count, Action<Action> perform, TimeSpan limit, CancellationToken stop)
         {
-            perform(() => simulator.Hello());
+            try
+            {
+                perform(() => simulator.Hello());
+            }
+            catch (Exception e) when (e is MessageException || e is ArgumentException)
+            {
+                // The scene is wrong: Python, which waits for it, is told why it ends.
+                var why = e is MessageException known ? known.Message.Substring(known.Code.Length + 2) : e.Message;
+                connection.Socket.Options.Linger = Try;
+                Send(new Message("error") { Values = { ["code"] = "gave-up", ["text"] = why } }, limit, stop);
+                throw new GaveUpException(why);
+            }
             // Not the simulator's own: in Unity it is asked on the main thread alone.
             var name = simulator.Reply.Values["name"];
             Send(simulator.Reply, limit, stop);
@@ -124,8 +135,8 @@ namespace NetMQExample
             {
                 while ((request = Receive(idle, stop))?.Kind != "close")
                 {
-                    var begins = request == null && step.Has(Order.Reset);
-                    if (begins && count > 0 && simulator.Episodes >= count) return;
+                    var most = request != null || count == 0 ? int.MaxValue : step.Has(Order.Reset) ? count : count + 1;
+                    if (simulator.Episodes >= most) return;
                     do perform(answer);
                     while (simulator.Waiting);
                     if (simulator.Reply != null) Send(simulator.Reply, Try, stop);

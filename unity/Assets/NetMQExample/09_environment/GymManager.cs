@@ -1,11 +1,19 @@
 // Lesson 09 in Unity: it brings all agents of the scene to Python.
+//
+// Use: start python/09_environment/server.py, open this lesson's scene, press Play. For your own scene: add this
+// component to any GameObject, and agents (Agent.cs) and sensors wherever they belong.
+// Nothing moves while Python thinks: for each step OnTick is called, and physics is simulated for as long. A script moves
+// its FixedUpdate to OnTick. What belongs to no agent has its place here: derive from it.
+// A scene may be loaded anew, also by an agent's OnReset: the new scene's GymManager goes on with the connection.
 using System;
 using System.Collections.Generic;
+using System.Linq;
 using UnityEngine;
+using UnityEngine.SceneManagement;
 
 namespace NetMQExample
 {
-    /// <summary>A scene whose time passes when Python steps.</summary>
+    /// <summary>A scene whose time passes when Python steps, or by the clock when a person plays it by hand.</summary>
     [AddComponentMenu("NetMQ Example/09 Gym Manager")]
     public class GymManager : SteppedBehaviour, IWorld
     {
@@ -16,30 +24,35 @@ namespace NetMQExample
         [SerializeField, Tooltip("How many agents of a name there may be, where some come later")]
         private NameCount[] atMost = new NameCount[0];
 
+        private ByHand played;
+
         /// <summary>The one of this scene, if there is one.</summary>
         public static GymManager Current { get; private set; }
-
-        /// <summary>The env_name in Python. Set it before it is enabled.</summary>
-        public string EnvName { get => envName; set => envName = value; }
-
-        /// <summary>Seconds of a tick. Set it before it is enabled.</summary>
-        public double Dt { get => dt; set => dt = value; }
 
         /// <summary>The environment's own side, as of GymEnv. New after each enable, but not after a change of scenes.
         /// </summary>
         public SceneSimulator Simulator { get; private set; }
 
+        /// <summary>Hears what Python sends to the environment itself.</summary>
+        public event Action<object> OnInfo;
+
+        /// <summary>The env_name in Python.</summary>
+        protected virtual string EnvName => envName;
+
+        /// <summary>Seconds of a tick.</summary>
+        protected virtual double Dt => dt;
+
+        /// <summary>Who takes part: agents may come and go.</summary>
+        protected virtual IReadOnlyList<IAgent> Agents => Agent.All;
+
         /// <inheritdoc/>
         protected override string Endpoint => endpoint;
 
         /// <inheritdoc/>
+        protected override bool Connects => played == null;
+
+        /// <inheritdoc/>
         protected override SimulatorBase MakeSimulator() => Simulator;
-
-        /// <summary>Tells Python something of the environment, with the next answer.</summary>
-        public void SendInfo(object info) => Simulator.SendInfo(info);
-
-        /// <summary>Hears what Python sends to the environment itself.</summary>
-        public event Action<object> OnInfo;
 
         /// <inheritdoc/>
         public virtual void OnReset(RandomGenerator random, IReadOnlyDictionary<string, object> options) { }
@@ -53,12 +66,83 @@ namespace NetMQExample
         /// <inheritdoc/>
         public virtual MessageArray Render() => null;
 
+        /// <summary>Tells Python something of the environment, with the next answer.</summary>
+        /// <exception cref="MessageException">It has no place in a message.</exception>
+        public void SendInfo(object info) => Simulator.SendInfo(info);
+
+        /// <summary>The action of a person who plays an agent by hand.</summary>
+        protected virtual object Heuristic(IAgent agent) => (agent as Agent)?.Heuristic();
+
+        /// <inheritdoc/>
+        protected override void Begin()
+        {
+            Current = this;
+            var before = SceneChange.Take(endpoint, EnvName);
+            if (!(before is null) && GoOnWith(before))
+            {
+                Simulator = before.Simulator;
+                Simulator.ForgetListeners();
+                Simulator.World = this;
+                Hear();
+                return;
+            }
+            Simulator = new SceneSimulator(EnvName, Dt, Agents, this, SensorComponent.All)
+            {
+                Everyone = Everyone,
+                Physics = () => Physics.Simulate((float)Dt),
+                Loads = SceneChange.Loads,
+                Warn = Debug.LogWarning,
+                Exists = agent => !(agent is Agent one) || one != null,
+                Refuse = (agent, why) => (agent as Agent)?.GiveUp(why),
+            };
+            foreach (var one in atMost) Simulator.AtMost[one.name] = one.count;
+            Hear();
+            played = byHand ? new ByHand(Simulator, Dt, Heuristic) : null;
+            Enter();
+            played?.Begin();
+        }
+
         /// <summary>A connection begins. A scene that is loaded while Python steps goes on with the one before.
         /// </summary>
         protected virtual void Enter() => base.Begin();
 
         /// <summary>The connection ends.</summary>
         protected virtual void Leave() => base.OnDisable();
+
+        /// <inheritdoc/>
+        protected override void OnDisable()
+        {
+            if (Current == this) Current = null;
+            var changes = !Ending && (Simulator.Loading || SceneChange.Loads());
+            if (changes) SceneChange.Leave(this, endpoint, EnvName, Leave);
+            else Leave();
+        }
+
+        /// <summary>Time by the clock, for who plays by hand or in real time.</summary>
+        protected virtual void FixedUpdate()
+        {
+            if (played != null) played.Tick(Time.fixedDeltaTime);
+            // If Python wants real time the scene moves on while it thinks; else this does nothing.
+            else Simulator?.CatchUp();
+        }
+
+        private void Hear()
+        {
+            GymEnv.Simulator = Simulator;
+            Simulator.OnInfo += info => OnInfo?.Invoke(info);
+        }
+
+        // In the order of the hierarchy. What Unity keeps over all scenes comes last.
+        private IReadOnlyList<IAgent> Everyone()
+        {
+            var found = new List<IAgent>();
+            for (var i = 0; i < SceneManager.sceneCount && Agents == Agent.All; i++)
+                if (SceneManager.GetSceneAt(i).isLoaded)
+                    foreach (var root in SceneManager.GetSceneAt(i).GetRootGameObjects())
+                        found.AddRange(root.GetComponentsInChildren<Agent>(true).Where(one => !one.GaveUp));
+            found.AddRange(Agents.Where(agent => !found.Contains(agent)).ToList());
+            return found;
+        }
     }
 
     /// <summary>How many agents of a name there may be.</summary>

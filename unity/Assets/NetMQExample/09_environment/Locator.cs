@@ -58,6 +58,9 @@ namespace NetMQExample
         /// <summary>Whether this agent's observation is meant.</summary>
         public bool Names(string agent) => Agents.Contains(agent) != Everyone;
 
+        /// <summary>The canonical text in the observation of one agent, which is not named.</summary>
+        internal string InIt => "@" + destination + " = $" + source;
+
         /// <summary>A name as it stands in a canonical text.</summary>
         internal static string Quoted(string name) => "'" + Unseen.Replace(name, match =>
             match.Value == "\\" || match.Value == "'" ? "\\" + match.Value : $"\\u{(int)match.Value[0]:x4}") + "'";

@@ -35,38 +35,26 @@ namespace NetMQExample
             @"^([a-z]+[0-9]+)\[((?:[0-9]{1,9}(?:,[0-9]{1,9}){0,7})?)\]\z", RegexOptions.CultureInvariant);
         private static readonly ConcurrentDictionary<string, object> Forms =
             new ConcurrentDictionary<string, object>();
+        private static readonly ConcurrentDictionary<string, (string Dtype, int[] Shape)> Arrays =
+            new ConcurrentDictionary<string, (string, int[])>();
 
         /// <summary>A value of the types above.</summary>
         /// <exception cref="MessageException">It has no place in a message.</exception>
         public static void Write(IBufferWriter<byte> to, object value)
         {
             var form = new StringBuilder();
-            var numbers = new ArrayBufferWriter<byte>();
-            Add(form, numbers, value, 0);
-            Finish(to, form, numbers);
+            var numbers = new FrameBuffer();
+            Add(form, numbers, value);
+            MessageParts.WriteText(to, form.ToString());
+            to.Write(numbers.From(0).Span);
         }
 
         /// <summary>The same, as an array of its own.</summary>
         public static byte[] Write(object value)
         {
-            var bytes = new ArrayBufferWriter<byte>();
+            var bytes = new FrameBuffer();
             Write(bytes, value);
-            return bytes.WrittenSpan.ToArray();
-        }
-
-        /// <summary>Texts, each with a value: as form they have [["text", form], …].</summary>
-        public static void WritePairs(IBufferWriter<byte> to, IEnumerable<(string Text, object Value)> pairs)
-        {
-            var form = new StringBuilder("[");
-            var numbers = new ArrayBufferWriter<byte>();
-            foreach (var (text, value) in pairs)
-            {
-                form.Append(form.Length > 1 ? ",[" : "[").Append(MessageJson.Quoted(text)).Append(',');
-                Add(form, numbers, value, 0);
-                form.Append(']');
-            }
-            form.Append(']');
-            Finish(to, form, numbers);
+            return bytes.From(0).ToArray();
         }
 
         /// <summary>The value that these bytes are.</summary>
@@ -76,26 +64,48 @@ namespace NetMQExample
             try
             {
                 var size = checked((int)BitConverter.ToUInt32(data.Span.Slice(0, 4)));
-                if (size > MostFormBytes) throw Bad($"its form has {size} bytes, and {MostFormBytes} at most");
-                var form = Form(data.Slice(4, size));
-                var numbers = data.Slice(4 + size);
-                var value = Value(form, ref numbers);
-                return numbers.Length == 0 ? value : throw Bad("more follows it");
+                return Read(Form(data.Slice(4, size)), data.Slice(4 + size));
             }
-            catch (Exception e) when (e is ArgumentException || e is OverflowException
-                || (e is MessageException m && (m.Code == "bad-json" || m.Code == "bad-dtype")))
+            catch (Exception e) when (e is ArgumentException || e is OverflowException)
             {
                 throw Bad(e.Message);
             }
         }
 
-        private static void Finish(IBufferWriter<byte> to, StringBuilder form, ArrayBufferWriter<byte> numbers)
+        /// <summary>The value of this form that these numbers are.</summary>
+        /// <exception cref="MessageException">They are none.</exception>
+        internal static object Read(object form, ReadOnlyMemory<byte> numbers)
         {
-            MessageParts.WriteText(to, form.ToString());
-            to.Write(numbers.WrittenSpan);
+            try
+            {
+                var value = Value(form, ref numbers);
+                return numbers.Length == 0 ? value : throw Bad("more follows it");
+            }
+            catch (Exception e) when (e is ArgumentException || e is OverflowException
+                || (e is MessageException m && m.Code == "bad-dtype"))
+            {
+                throw Bad(e.Message);
+            }
         }
 
-        private static void Add(StringBuilder form, ArrayBufferWriter<byte> numbers, object value, int depth)
+        /// <summary>A form, as JSON in ASCII. Most are known.</summary>
+        /// <exception cref="MessageException">It is none.</exception>
+        internal static object Form(ReadOnlyMemory<byte> bytes)
+        {
+            if (bytes.Length > MostFormBytes)
+                throw Bad($"its form has {bytes.Length} bytes, and {MostFormBytes} at most");
+            var text = Encoding.ASCII.GetString(bytes.Span);
+            if (Forms.TryGetValue(text, out var form)) return form;
+            try { form = MessageJson.Read(bytes.Span); }
+            catch (Exception e) when (e is ArgumentException || e is MessageException) { throw Bad(e.Message); }
+            // A peer that sends ever new ones, or long ones, fills no memory.
+            if (Forms.Count > MostForms) Forms.Clear();
+            if (text.Length <= LongestForm) Forms[text] = form;
+            return form;
+        }
+
+        /// <summary>Adds a value's form, and its numbers.</summary>
+        internal static void Add(StringBuilder form, FrameBuffer numbers, object value, int depth = 0)
         {
             // Without a limit, a list that holds itself would end the program.
             if (depth > MostDepth) throw new MessageException("bad-tree", "it is nested too deeply, or has no end");
@@ -106,8 +116,7 @@ namespace NetMQExample
                     return;
                 case bool yes:
                     form.Append("\"bool\"");
-                    numbers.GetSpan(1)[0] = (byte)(yes ? 1 : 0);
-                    numbers.Advance(1);
+                    numbers.Write((byte)(yes ? 1 : 0));
                     return;
                 case string text:
                     form.Append("\"text\"");
@@ -124,14 +133,12 @@ namespace NetMQExample
                 case int _:
                 case long _:
                     form.Append("\"int64\"");
-                    BitConverter.TryWriteBytes(numbers.GetSpan(8), Convert.ToInt64(value));
-                    numbers.Advance(8);
+                    numbers.Write(Convert.ToInt64(value));
                     return;
                 case float _:
                 case double _:
                     form.Append("\"float64\"");
-                    BitConverter.TryWriteBytes(numbers.GetSpan(8), Finite(Convert.ToDouble(value)));
-                    numbers.Advance(8);
+                    numbers.Write(Finite(Convert.ToDouble(value)));
                     return;
                 case MessageArray array:
                     form.Append($"\"{array.Dtype}[{string.Join(",", array.Shape)}]\"");
@@ -161,7 +168,7 @@ namespace NetMQExample
         }
 
         private static void AddAll(
-            StringBuilder form, ArrayBufferWriter<byte> numbers, IReadOnlyList<object> items, int depth)
+            StringBuilder form, FrameBuffer numbers, IReadOnlyList<object> items, int depth)
         {
             form.Append('[');
             for (var i = 0; i < items.Count; i++)
@@ -170,17 +177,6 @@ namespace NetMQExample
                 Add(form, numbers, items[i], depth + 1);
             }
             form.Append(']');
-        }
-
-        private static object Form(ReadOnlyMemory<byte> bytes)
-        {
-            var text = Encoding.ASCII.GetString(bytes.Span);
-            if (Forms.TryGetValue(text, out var form)) return form;
-            form = MessageJson.Read(bytes.Span);
-            // A peer that sends ever new ones, or long ones, fills no memory.
-            if (Forms.Count > MostForms) Forms.Clear();
-            if (text.Length <= LongestForm) Forms[text] = form;
-            return form;
         }
 
         private static object Value(object form, ref ReadOnlyMemory<byte> numbers)
@@ -215,16 +211,23 @@ namespace NetMQExample
 
         private static MessageArray ReadArray(string form, ref ReadOnlyMemory<byte> numbers)
         {
+            var (dtype, shape) = Arrays.TryGetValue(form, out var known) ? known : Known(form);
+            // In double, which no product of eight sizes overflows.
+            double size = MessageArray.SizeOf(dtype);
+            foreach (var length in shape) size *= length;
+            if (size > numbers.Length) throw Bad("it ends too early");
+            // A copy: what was received goes with its message.
+            return new MessageArray(dtype, MessageParts.Take(ref numbers, (int)size).ToArray(), shape);
+        }
+
+        private static (string, int[]) Known(string form)
+        {
             var parts = ArrayForm.Match(form);
             if (!parts.Success) throw Bad($"{MessageJson.Shown(form)} is no form");
             var shape = parts.Groups[2].Value.Split(new[] { ',' }, StringSplitOptions.RemoveEmptyEntries)
                 .Select(length => int.Parse(length, CultureInfo.InvariantCulture)).ToArray();
-            var dtype = parts.Groups[1].Value;
-            // In double, which no product of eight sizes overflows.
-            var size = shape.Aggregate((double)MessageArray.SizeOf(dtype), (product, length) => product * length);
-            if (size > numbers.Length) throw Bad("it ends too early");
-            // A copy: what was received goes with its message.
-            return new MessageArray(dtype, MessageParts.Take(ref numbers, (int)size).ToArray(), shape);
+            if (Arrays.Count > MostForms) Arrays.Clear();
+            return Arrays[form] = (parts.Groups[1].Value, shape);
         }
 
         // NaN is not less than anything.

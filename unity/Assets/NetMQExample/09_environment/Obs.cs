@@ -26,6 +26,11 @@ namespace NetMQExample
 
         /// <summary>The member's value as a message can have it.</summary>
         public virtual object Read(object value) => Observed.Of(value);
+
+        /// <summary>The same where it is the commonest: its numbers are written, and its form is returned; else null.
+        /// </summary>
+        internal virtual string Write(object value, FrameBuffer to) =>
+            GetType() == typeof(ObsAttribute) ? Plain.Write(value, to) : null;
     }
 
     /// <summary>An array of numbers: of a number, of items in items, of a Vector3.</summary>
@@ -38,6 +43,8 @@ namespace NetMQExample
 
         /// <inheritdoc/>
         public override object Read(object value) => BoxOf.Value(value, dtype);
+
+        internal override string Write(object value, FrameBuffer to) => Plain.WriteBox(value, dtype, to);
     }
 
     /// <summary>A whole number.</summary>
@@ -55,6 +62,8 @@ namespace NetMQExample
             _ => throw new MessageException(
                 "no-space", FormattableString.Invariant($"{value ?? "null"} is no whole number")),
         };
+
+        internal override string Write(object value, FrameBuffer to) => Plain.WriteWhole(value, to);
     }
 
     /// <summary>Text: whatever it is, as people read it.</summary>
@@ -65,6 +74,8 @@ namespace NetMQExample
 
         /// <inheritdoc/>
         public override object Read(object value) => FormattableString.Invariant($"{value}");
+
+        internal override string Write(object value, FrameBuffer to) => value is string ? Plain.Write(value, to) : null;
     }
 
     /// <summary>A dictionary with keys of text.</summary>

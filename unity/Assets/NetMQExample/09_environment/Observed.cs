@@ -2,13 +2,14 @@
 //
 // Reflection is used once for each class: it finds the members and reads their attributes. After that a step costs one
 // FieldInfo.GetValue or PropertyInfo.GetValue for each member, which work everywhere; IL2CPP compiles no code at run
-// time that could replace them.
+// time that could replace them. The numbers of most are written as they are.
 using System;
 using System.Collections;
 using System.Collections.Concurrent;
 using System.Collections.Generic;
 using System.Linq;
 using System.Reflection;
+using System.Text;
 
 namespace NetMQExample
 {
@@ -24,12 +25,16 @@ namespace NetMQExample
 
         [ThreadStatic] private static int depth;
 
-        private readonly MemberInfo member;
+        [ThreadStatic] private static StringBuilder spelled;
+
+        private readonly FieldInfo field;
+        private readonly PropertyInfo property;
         private readonly ObsAttribute attribute;
 
         private Observed(Type type, MemberInfo member, ObsAttribute attribute)
         {
-            this.member = member;
+            field = member as FieldInfo;
+            property = member as PropertyInfo;
             this.attribute = attribute;
             // [field: Box] stands at the field behind a property, whose name is <Speed>k__BackingField.
             var parts = member.Name.Split('<', '>');
@@ -56,20 +61,39 @@ namespace NetMQExample
         /// <exception cref="MessageException">It has no place in a message; the text names the member.</exception>
         public object Read(object from)
         {
+            try { return attribute.Read(ValueOf(from)); }
+            catch (Exception e) when (e is MessageException || e is TargetInvocationException) { throw Named(e); }
+        }
+
+        /// <summary>The same, as it stands in a message.</summary>
+        /// <param name="from">The object.</param>
+        /// <param name="to">Takes its numbers.</param>
+        /// <param name="last">The form of the value before: most have the same one again.</param>
+        /// <returns>Its form.</returns>
+        internal string Write(object from, FrameBuffer to, string last)
+        {
             try
             {
-                return attribute.Read(
-                    member is FieldInfo field ? field.GetValue(from) : ((PropertyInfo)member).GetValue(from));
+                var value = ValueOf(from);
+                return attribute.Write(value, to) ?? Write(attribute.Read(value), last, to);
             }
-            catch (MessageException e)
-            {
-                throw new MessageException(e.Code, $"{FullName}: {e.Message.Substring(e.Code.Length + 2)}");
-            }
-            catch (TargetInvocationException e)
-            {
-                throw new InvalidOperationException($"{FullName}: {e.InnerException?.Message}", e.InnerException);
-            }
+            catch (Exception e) when (e is MessageException || e is TargetInvocationException) { throw Named(e); }
         }
+
+        /// <summary>The form of any value, whose numbers are written.</summary>
+        internal static string Write(object value, string last, FrameBuffer to)
+        {
+            spelled ??= new StringBuilder();
+            spelled.Clear();
+            MessageTree.Add(spelled, to, value);
+            return last != null && spelled.Equals(last) ? last : spelled.ToString();
+        }
+
+        private object ValueOf(object from) => field != null ? field.GetValue(from) : property.GetValue(from);
+
+        private Exception Named(Exception e) => e is MessageException known
+            ? new MessageException(known.Code, $"{FullName}: {known.Message.Substring(known.Code.Length + 2)}")
+            : (Exception)new InvalidOperationException($"{FullName}: {e.InnerException?.Message}", e.InnerException);
 
         /// <summary>A value of any kind as its own kind says.</summary>
         public static object Of(object value)
@@ -142,11 +166,9 @@ namespace NetMQExample
                 var one = new Observed(type, member, attributes[0]);
                 ArgumentException Wrong(string what) => new ArgumentException($"{one.FullName} {what}");
                 if (attributes.Length > 1) throw Wrong("has two attributes: one is enough");
-                var field = member as FieldInfo;
-                var property = member as PropertyInfo;
-                if (property != null && (!property.CanRead || property.GetIndexParameters().Length > 0))
+                if (one.property != null && (!one.property.CanRead || one.property.GetIndexParameters().Length > 0))
                     throw Wrong("cannot be read: give it a get");
-                if (field?.IsStatic ?? property.GetMethod.IsStatic) throw Wrong("is static: it belongs to no agent");
+                if (one.field?.IsStatic ?? one.property.GetMethod.IsStatic) throw Wrong("is static: it belongs to no agent");
                 // A member stands for the one that it overrides, or hides at the same place.
                 found.RemoveAll(other => other.Name == one.Name && other.Locator == one.Locator);
                 found.Add(one);

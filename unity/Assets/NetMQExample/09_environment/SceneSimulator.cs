@@ -1,6 +1,13 @@
-// Lesson 09, the simulator of agents.
+// Lesson 09, the simulator of agents: answers for all of them in one message, and each request once.
+//
+// Its resets and steps are records (Records.cs), with a row for each agent of a kind. An agent whose Observation is in
+// C# writes its numbers into the answer itself; of the others locators are sent, each with a value. The message info has
+// [name or "", info], and render brings the pictures of all that draw, or the world's own.
+// The Python side is netmq_example/envs.
 using System;
 using System.Collections.Generic;
+using System.Diagnostics;
+using System.Linq;
 
 namespace NetMQExample
 {
@@ -8,6 +15,28 @@ namespace NetMQExample
     /// Python.</summary>
     public sealed class SceneSimulator : SimulatorBase
     {
+        // How long a scene may load and its agents may come: Python waits for 10 s as a rule.
+        private static readonly TimeSpan MostLoading = TimeSpan.FromSeconds(8);
+
+        private readonly double dt;
+        private readonly AgentRoster roster;
+        private readonly SceneSteps steps;
+        private readonly RealTime real = new RealTime();
+        private readonly InfoList infos = new InfoList();
+        private readonly SeenRows seen = new SeenRows();
+        private readonly Stopwatch since = new Stopwatch();
+        private readonly List<AgentRow> shown = new List<AgentRow>(), ended = new List<AgentRow>();
+        // Made once: a new one for each step would be garbage.
+        private readonly Func<AgentRow, bool> isOrdered, hasEnded, isBorn;
+        // An agent judges in its Update: then each step needs a frame.
+        private bool framed, frameLeft;
+        // Whether it was said that nobody hears what Python sends to the environment, and that a kind idles.
+        private bool unheard, idle;
+        // A scene was being loaded before this request.
+        private bool loadedBefore;
+        // Whether the step is done, and only the first observations are left.
+        private bool stepped;
+
         /// <summary>Of the agents that are in the list when Python asks: they may come and go.</summary>
         /// <param name="name">The env_name in Python.</param>
         /// <param name="dt">How many seconds one tick takes.</param>
@@ -15,13 +44,40 @@ namespace NetMQExample
         /// <param name="world">What belongs to no agent; null if there is nothing.</param>
         /// <param name="sensors">The sensors of the scene, which may come and go as well; null for none.</param>
         public SceneSimulator(string name, double dt, IReadOnlyList<IAgent> agents, IWorld world = null,
-            IReadOnlyList<Source> sensors = null) => Name = name;
+            IReadOnlyList<Source> sensors = null)
+        {
+            Name = Require.Given("name", name);
+            this.dt = dt > 0 ? dt : throw new ArgumentException(FormattableString.Invariant(
+                $"dt is seconds, more than 0, not {dt}"));
+            foreach (var agent in Require.Given("agents", agents)) Require.Given("agents", agent);
+            roster = new AgentRoster(dt, agents, sensors ?? new Source[0])
+            { Refuse = (agent, why) => Refuse(agent, why) };
+            steps = new SceneSteps(roster, dt) { World = world };
+            isOrdered = row => row.Order == Order.Reset;
+            hasEnded = row => row.Order == Order.Reset || row.Steps && row.Begun && row.State.Over;
+            isBorn = row => row.Born;
+        }
 
         /// <inheritdoc/>
         public override string Name { get; }
 
         /// <summary>By name, how many agents there may be, where these are more than at the hello.</summary>
-        public Dictionary<string, int> AtMost { get; } = new Dictionary<string, int>();
+        public Dictionary<string, int> AtMost => roster.AtMost;
+
+        /// <summary>All agents in the order in which they stand, also those that are switched off.</summary>
+        public Func<IReadOnlyList<IAgent>> Everyone { get => roster.Everyone; set => roster.Everyone = value; }
+
+        /// <summary>One tick of whatever moves besides the agents and the world: in Unity physics.</summary>
+        public Action Physics { get => steps.Physics; set => steps.Physics = value; }
+
+        /// <summary>Whether a scene is being loaded, such as by an agent's OnReset: its agents come with it.</summary>
+        public Func<bool> Loads { get; set; } = () => false;
+
+        /// <summary>Whether an agent that has left could come back: in Unity it is not destroyed.</summary>
+        public Func<IAgent, bool> Exists { get => roster.Exists; set => roster.Exists = value; }
+
+        /// <summary>Called with each agent for which there is no place, and why.</summary>
+        public Action<IAgent, string> Refuse { get; set; } = (agent, why) => { };
 
         /// <summary>Called with a line that a person should read.</summary>
         public Action<string> Warn { get; set; } = line => { };
@@ -29,23 +85,343 @@ namespace NetMQExample
         /// <summary>Hears what Python sends to the environment itself.</summary>
         public event Action<object> OnInfo;
 
+        /// <summary>Those who hear it in every scene, or null.</summary>
+        internal Func<Action<object>> Others { get; set; } = () => null;
+
+        /// <summary>Whether it waits for the agents of a scene that was loaded.</summary>
+        internal bool Loading { get; private set; }
+
+        // A scene that is loaded anew has another one.
+        internal IWorld World { get => steps.World; set => steps.World = value; }
+
+        /// <summary>The scene of those who heard is left.</summary>
+        internal void ForgetListeners() => OnInfo = null;
+
         /// <summary>Tells Python something of the environment itself, with the next answer.</summary>
         /// <exception cref="MessageException">It has no place in a message.</exception>
-        public void SendInfo(object info) => OnInfo?.Invoke(info);
+        public void SendInfo(object info) => infos.Send(info);
 
         /// <summary>The episode is over for every agent.</summary>
-        public void Terminate() { }
+        public void Terminate()
+        {
+            foreach (var row in roster.Rows) if (row.Present) row.State.Terminate();
+        }
 
         /// <summary>The episode is over for every agent, for another reason, such as the time.</summary>
-        public void Truncate() { }
+        public void Truncate()
+        {
+            foreach (var row in roster.Rows) if (row.Present) row.State.Truncate();
+        }
+
+        /// <summary>Brings a scene in real time up to the clock; on any other it does nothing.</summary>
+        /// <param name="but">All but so many seconds.</param>
+        public void CatchUp(double but = 0)
+        {
+            if (!real.On || Waiting) return;
+            AgentState.Inside = true;
+            try
+            {
+                while (roster.Rows.Any(row => row.Acts && row.Lives) && real.IsDue(StepSeconds(), but)) steps.Step(true);
+            }
+            finally { AgentState.Inside = false; }
+        }
 
         /// <inheritdoc/>
-        public override Message Describe() => throw new NotImplementedException();
+        public override Message Describe()
+        {
+            roster.Name();
+            if (roster.Rows.Count == 0) throw new MessageException("no-agent", $"{Name} has no agents");
+            real.Switch(false);
+            framed = false;
+            infos.Clear();
+            var data = MessageTree.Write(new Dictionary<string, object>
+            {
+                ["kinds"] = roster.Kinds.Select(kind => kind.Describe(kind.Rows.Count)).ToList(),
+            });
+            return new Message("hello")
+            {
+                Values =
+                {
+                    ["name"] = Name, ["dt"] = dt, ["record"] = 2L, ["clock"] = "python", ["channels"] = false,
+                },
+                Arrays = { new MessageArray("uint8", data, data.Length) },
+            };
+        }
 
         /// <inheritdoc/>
-        public override Message Say(Message request) => throw new NotImplementedException();
+        public override Message Say(Message request)
+        {
+            if (request.Kind == "render") return Render(request.Id);
+            if (request.Kind != "info") throw Unknown(request, "info, render");
+            var (to, said) = InfoOf(request);
+            AgentState.Inside = true;
+            try
+            {
+                if (to == "") (OnInfo + Others() ?? Unheard)(said);
+                else Find(to).OnInfo(said);
+            }
+            finally { AgentState.Inside = false; }
+            return new Message("told", request.Id);
+        }
 
         /// <inheritdoc/>
-        public override bool Do(StepRequest request, StepAnswer answer, bool again) => throw new NotImplementedException();
+        public override bool Do(StepRequest request, StepAnswer answer, bool again)
+        {
+            AgentState.Inside = true;
+            try
+            {
+                if (!again) Act(request);
+                if (!stepped)
+                {
+                    if (NeedsFrame()) return false;
+                    stepped = true;
+                    if (!Begin(request, answer)) loadedBefore = true;
+                }
+                if (NeedsFrame()) return false;
+                See(request, answer);
+                return true;
+            }
+            finally { AgentState.Inside = false; }
+        }
+
+        internal IAgent Find(string name) => roster.Find(name);
+
+        /// <summary>Begins all agents, for somebody who plays by hand.</summary>
+        internal void BeginByHand(long seed)
+        {
+            foreach (var kind in roster.Kinds) kind.Asked = true;
+            foreach (var row in roster.Rows) (row.Order, row.Seed) = (Order.Reset, seed + row.Number);
+            steps.Begin(isOrdered, default);
+        }
+
+        /// <summary>A step of those that act, for somebody who plays by hand.</summary>
+        /// <returns>The rewards of all, and whether all are over.</returns>
+        internal (double Reward, bool Over) StepByHand(Func<IAgent, object> heuristic)
+        {
+            roster.Settle(false);
+            foreach (var row in roster.Rows)
+            {
+                row.Order = Order.Step;
+                if (row.Lives) row.Take(heuristic(row.Agent));
+            }
+            steps.Step();
+            steps.Begin(isBorn, default);
+            var total = 0.0;
+            foreach (var row in roster.Rows)
+            {
+                if (!row.Present) continue;
+                total += row.State.Take().Reward;
+                // Nobody reads them.
+                row.State.ForgetInfo();
+            }
+            infos.Clear();
+            return (total, !roster.Rows.Any(row => row.Lives));
+        }
+
+        // Checks all of it, and does the step.
+        private void Act(StepRequest request)
+        {
+            since.Restart();
+            stepped = Loading = false;
+            loadedBefore = Loads();
+            roster.Settle(false);
+            CatchUp(StepSeconds());
+            Ask(request);
+            LookForLate();
+            real.Switch(request.RealTime);
+            if (!request.Steps) return;
+            steps.Step(real.On);
+            real.Pass(StepSeconds());
+            Steps++;
+            frameLeft = framed;
+        }
+
+        private void Ask(StepRequest request)
+        {
+            foreach (var kind in roster.Kinds) kind.Asked = false;
+            foreach (var row in roster.Rows)
+            {
+                row.Order = Order.Nothing;
+                row.New = row.BeganNow = row.Asked = false;
+                row.Acts &= real.On;
+            }
+            for (var i = 0; i < request.Count; i++) Ask(request, request[i]);
+            var alone = idle ? null : roster.Kinds.Find(kind => !kind.Asked);
+            if (alone == null) return;
+            idle = true;
+            Warn($"trouble: Python does not ask for '{alone.Name}': agents of that name do nothing");
+        }
+
+        private void Ask(StepRequest request, RequestSection section)
+        {
+            var kind = section.Kind < roster.Kinds.Count ? roster.Kinds[section.Kind] : null;
+            if (kind == null || kind.Asked)
+                throw new MessageException("wrong-agents", $"there are {roster.Kinds.Count} kinds of agents, and each is "
+                    + $"asked once, but a section is for number {section.Kind}");
+            if ((section.Columns & Columns.Who) == 0 && section.Count != kind.Rows.Count)
+                throw new MessageException("wrong-agents",
+                    $"{section.Count} rows, but there are {kind.Rows.Count} agents of the name '{kind.Name}'");
+            kind.Asked = true;
+            var form = section.Form.Length > 0 && kind.Action == null ? MessageTree.Form(section.Form) : null;
+            var first = true;
+            for (var i = 0; i < section.Count; i++)
+            {
+                var whose = section.Whose(i);
+                if (whose >= kind.Rows.Count || kind.Rows[(int)whose].Asked)
+                    throw new MessageException("wrong-agents", $"row {i} is of agent {whose} of {kind.Rows.Count}, or twice");
+                var row = kind.Rows[(int)whose];
+                row.Asked = true;
+                row.Order = section.OrderOf(i);
+                row.Seed = section.Seed(i);
+                // One that has left does not act, and the answer says so.
+                if (row.Steps && row.Lives) row.Read(section.Row(i), form, request.RealTime);
+                if (row.Order != Order.Reset || !first) continue;
+                first = false;
+                kind.Seed = row.Seed - row.Place;
+                // What is wrong with them is said before anything moves.
+                SceneSteps.Copy(request.Options, row.State?.StateSize ?? 0, out _);
+            }
+        }
+
+        // After the step: who has ended is seen a last time, and who is to begin begins. Whether anybody did.
+        private bool Begin(StepRequest request, StepAnswer answer)
+        {
+            roster.Settle(Loading);
+            LookForLate();
+            Loading = false;
+            var before = steps.Episodes;
+            if (request.Autoreset)
+                for (var i = 0; i < request.Count; i++) SeeEnded(roster.Kinds[request[i].Kind], answer);
+            steps.Begin(request.Autoreset ? hasEnded : isOrdered, request.Options);
+            BeginBorn();
+            Episodes = steps.Episodes;
+            loadedBefore &= before == Episodes;
+            if (before != Episodes && !request.Steps) real.Restart();
+            return before != Episodes;
+        }
+
+        // Somebody has come in the middle of an episode.
+        private void BeginBorn()
+        {
+            var any = false;
+            foreach (var row in roster.Rows)
+            {
+                if (!row.Born || !row.Kind.Asked) continue;
+                any = row.New = true;
+                row.Seed = row.Kind.Seed + row.Place;
+            }
+            if (any) steps.Begin(isBorn, default);
+        }
+
+        private void See(StepRequest request, StepAnswer answer)
+        {
+            roster.Settle(Loading);
+            BeginBorn();
+            Episodes = steps.Episodes;
+            Loading = false;
+            for (var i = 0; i < request.Count; i++)
+            {
+                var kind = roster.Kinds[request[i].Kind];
+                answer.BeginSection(kind.Place, kind.Rows.Count, Columns.None);
+                shown.Clear();
+                foreach (var row in kind.Rows)
+                    if (row.Present && row.Begun && (row.Order != Order.Nothing || row.New)) shown.Add(row);
+                seen.Write(kind, shown, answer);
+                foreach (var row in kind.Rows) Tell(row, row.Place, row.Present && row.Begun, answer);
+                answer.EndSection();
+            }
+            var said = infos.Take();
+            answer.Infos = said == null ? null : MessageTree.Write(said);
+        }
+
+        private void SeeEnded(AgentKind kind, StepAnswer answer)
+        {
+            ended.Clear();
+            shown.Clear();
+            foreach (var row in kind.Rows)
+            {
+                if (!row.Steps || !row.Begun || !row.State.Over) continue;
+                ended.Add(row);
+                if (row.Present) shown.Add(row);
+            }
+            if (ended.Count == 0) return;
+            answer.BeginSection(kind.Place, ended.Count, Columns.Who | Columns.Ended);
+            foreach (var row in ended) answer.Who(row.Place);
+            seen.Write(kind, shown, answer);
+            for (var i = 0; i < ended.Count; i++)
+            {
+                Tell(ended[i], i, ended[i].Present, answer);
+                ended[i].New = true;
+            }
+            answer.EndSection();
+        }
+
+        // What is said of a row: its reward, its marks, and its infos.
+        private static void Tell(AgentRow row, int at, bool present, StepAnswer answer)
+        {
+            if (row.Order == Order.Nothing && !row.New) return;
+            var (reward, ends) = row.State?.Take() ?? (0, 0);
+            var mark = (Marks)ends | (present ? Marks.Seen : Marks.Absent) | (present && row.New ? Marks.New : 0);
+            row.Told = !present || ends != 0;
+            answer.Set(at, reward, mark, row.State?.TakeInfo());
+            row.State?.ForgetInfo();
+        }
+
+        private bool NeedsFrame()
+        {
+            // The holder of a name may be destroyed at the end of this frame, and another one has come for it.
+            var first = frameLeft || roster.Unsettled;
+            frameLeft = false;
+            if (since.Elapsed > MostLoading) return false;
+            var loads = Loads() && !loadedBefore;
+            Loading |= loads;
+            return first || loads || (Loading && !AreThere());
+        }
+
+        // Those who began in this exchange, or were there when it began.
+        private bool AreThere()
+        {
+            roster.Settle(true);
+            foreach (var row in roster.Rows)
+                if (!row.Present && row.Asked && (row.BeganNow || row.Steps && row.Begun && !row.Told)) return false;
+            return true;
+        }
+
+        private void LookForLate()
+        {
+            if (framed) return;
+            var late = roster.Rows.Find(row => row.Steps && row.State?.Late != null);
+            if (late == null) return;
+            framed = true;
+            Warn($"trouble: agent '{late.Name}' called {late.State.Late} between two steps, such as in its Update: from "
+                + "now on each step waits for a frame; in OnAction or OnTick it belongs to its step, at full speed");
+        }
+
+        private double StepSeconds()
+        {
+            var most = 1;
+            foreach (var row in roster.Rows) if (row.Acts) most = Math.Max(most, row.State.Period);
+            return dt * most;
+        }
+
+        private Message Render(long id)
+        {
+            var picture = new Message("picture", id);
+            var all = World?.Render();
+            if (all != null) picture.Arrays.Add(all);
+            else
+                picture.Arrays.AddRange(roster.Rows.Where(row => row.Present).Select(row => row.Agent.Render())
+                    .Where(one => one != null));
+            return picture.Arrays.Count > 0 ? picture : throw new MessageException("no-picture",
+                $"{Name} draws none: override Render, or tell check_env skip_render_check=True");
+        }
+
+        private void Unheard(object said)
+        {
+            if (!unheard)
+                Warn("trouble: Python has sent an info to the environment, and nobody hears it: "
+                    + "name an agent in send_info, or add a handler to GymEnv.OnInfo");
+            unheard = true;
+        }
     }
 }

@@ -19,6 +19,7 @@ namespace NetMQExample
             Name = Require.Given("name", name);
             this.place = Require.Given("place", place);
             Read = Require.Given("read", read);
+            Write = (to, form) => Observed.Write(read(), form, to);
             Place();
         }
 
@@ -30,6 +31,10 @@ namespace NetMQExample
 
         /// <summary>Its value now.</summary>
         public Func<object> Read { get; }
+
+        /// <summary>Its value now, as it stands in a message: it takes the form of the value before, and returns that of
+        /// this one.</summary>
+        internal Func<FrameBuffer, string, string> Write { get; set; }
 
         /// <summary>Whether its value goes into the observation of this agent, perhaps among others.</summary>
         public bool Names(string agent)

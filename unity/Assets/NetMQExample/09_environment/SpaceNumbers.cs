@@ -10,8 +10,12 @@ namespace NetMQExample
         // Up to here each whole number is one as a double, too.
         private const long MostExact = (1L << 53) - 1;
 
+        // Compared once for each number: a text would take longer than all the rest.
+        private enum Form : byte { Int8, Uint8, Uint16, Int32, Int64, Float32, Float64 }
+
         private readonly double[] low, high;
         private readonly bool limited;
+        private readonly Form form;
         private readonly int itemSize;
 
         public SpaceNumbers(string dtype, int[] shape, double[] low, double[] high)
@@ -22,6 +26,7 @@ namespace NetMQExample
             Shape = shape;
             this.low = low;
             this.high = high;
+            form = FormOf(dtype);
             itemSize = dtype == "int8" ? 1 : MessageArray.SizeOf(dtype);
             // All bytes of a picture are in the space.
             limited = dtype != "uint8" || low.Any(one => one > 0) || high.Any(one => one < 255);
@@ -37,57 +42,80 @@ namespace NetMQExample
 
         public bool IsSingle => Shape.Length == 0;
 
-        /// <summary>Reads a row into the numbers from a place on; false: it is not in the space.</summary>
-        public bool Read(ReadOnlySpan<byte> row, double[] numbers, int at)
+        /// <summary>Reads a row into the numbers from a place on; false: it is not in the space. A number that is a
+        /// rounding step outside its limits is the limit, and then <paramref name="moved"/> is true.</summary>
+        public bool Read(ReadOnlySpan<byte> row, double[] numbers, int at, ref bool moved)
         {
             var inside = true;
-            for (var i = 0; i < Count; i++)
+            for (var i = 0; i < low.Length; i++)
             {
-                var number = Get(Dtype, row.Slice(i * itemSize, itemSize));
-                numbers[at + i] = number;
+                var number = Get(form, row.Slice(i * itemSize, itemSize));
                 // NaN is not between any two numbers.
-                inside &= !limited || (number >= low[i] && number <= high[i]);
+                if (limited && !(number >= low[i] && number <= high[i]))
+                {
+                    var limit = number < low[i] ? low[i] : high[i];
+                    var step = form == Form.Float32 ? 5e-7 : form == Form.Float64 ? 1e-15 : 0;
+                    if (Math.Abs(number - limit) <= Math.Abs(limit) * step) moved = true;
+                    else inside = false;
+                    if (inside) number = limit;
+                }
+                numbers[at + i] = number;
             }
             return inside;
         }
 
-        public static double Get(string dtype, ReadOnlySpan<byte> bytes)
+        public static double Get(string dtype, ReadOnlySpan<byte> bytes) => Get(FormOf(dtype), bytes);
+
+        private static Form FormOf(string dtype) => dtype switch
         {
-            switch (dtype)
+            "int8" => Form.Int8,
+            "uint8" => Form.Uint8,
+            "uint16" => Form.Uint16,
+            "int32" => Form.Int32,
+            "int64" => Form.Int64,
+            "float32" => Form.Float32,
+            _ => Form.Float64,
+        };
+
+        private static double Get(Form form, ReadOnlySpan<byte> bytes)
+        {
+            switch (form)
             {
-                case "int8": return (sbyte)StepRequest.ByteOf(bytes);
-                case "uint8": return StepRequest.ByteOf(bytes);
-                case "uint16": return BitConverter.ToUInt16(bytes);
-                case "int32": return BitConverter.ToInt32(bytes);
-                case "int64": return BitConverter.ToInt64(bytes);
-                case "float32": return BitConverter.ToSingle(bytes);
+                case Form.Int8: return (sbyte)StepRequest.ByteOf(bytes);
+                case Form.Uint8: return StepRequest.ByteOf(bytes);
+                case Form.Uint16: return BitConverter.ToUInt16(bytes);
+                case Form.Int32: return BitConverter.ToInt32(bytes);
+                case Form.Int64: return BitConverter.ToInt64(bytes);
+                case Form.Float32: return BitConverter.ToSingle(bytes);
                 default: return BitConverter.ToDouble(bytes);
             }
         }
 
         /// <exception cref="MessageException">It would become another number, as 300 and 0.5 would in a byte.
         /// </exception>
-        public static void Put(string dtype, Span<byte> bytes, double number)
+        public static void Put(string dtype, Span<byte> bytes, double number) => Put(FormOf(dtype), bytes, number);
+
+        private static void Put(Form form, Span<byte> bytes, double number)
         {
-            switch (dtype)
+            switch (form)
             {
-                case "int8":
-                    bytes[0] = (byte)(sbyte)Whole(dtype, number, sbyte.MinValue, sbyte.MaxValue);
+                case Form.Int8:
+                    bytes[0] = (byte)(sbyte)Whole(form, number, sbyte.MinValue, sbyte.MaxValue);
                     return;
-                case "uint8":
-                    bytes[0] = (byte)Whole(dtype, number, 0, byte.MaxValue);
+                case Form.Uint8:
+                    bytes[0] = (byte)Whole(form, number, 0, byte.MaxValue);
                     return;
-                case "uint16":
-                    BitConverter.TryWriteBytes(bytes, (ushort)Whole(dtype, number, 0, ushort.MaxValue));
+                case Form.Uint16:
+                    BitConverter.TryWriteBytes(bytes, (ushort)Whole(form, number, 0, ushort.MaxValue));
                     return;
-                case "int32":
-                    BitConverter.TryWriteBytes(bytes, (int)Whole(dtype, number, int.MinValue, int.MaxValue));
+                case Form.Int32:
+                    BitConverter.TryWriteBytes(bytes, (int)Whole(form, number, int.MinValue, int.MaxValue));
                     return;
-                case "int64":
-                    BitConverter.TryWriteBytes(bytes, Whole(dtype, number, -MostExact, MostExact));
+                case Form.Int64:
+                    BitConverter.TryWriteBytes(bytes, Whole(form, number, -MostExact, MostExact));
                     return;
-                case "float32":
-                    if (float.IsInfinity((float)number) && !double.IsInfinity(number)) throw Another(dtype, number);
+                case Form.Float32:
+                    if (float.IsInfinity((float)number) && !double.IsInfinity(number)) throw Another(form, number);
                     BitConverter.TryWriteBytes(bytes, (float)number);
                     return;
                 default:
@@ -97,16 +125,16 @@ namespace NetMQExample
         }
 
         // NaN is neither whole nor between any two numbers.
-        private static long Whole(string dtype, double number, long least, long most) =>
+        private static long Whole(Form form, double number, long least, long most) =>
             number >= least && number <= most && number == Math.Floor(number)
-                ? (long)number : throw Another(dtype, number);
+                ? (long)number : throw Another(form, number);
 
-        private static MessageException Another(string dtype, double number) => new MessageException("not-in-space",
-            FormattableString.Invariant($"{number} would become another number as {dtype}"));
+        private static MessageException Another(Form form, double number) => new MessageException("not-in-space",
+            FormattableString.Invariant($"{number} would become another number as {form.ToString().ToLowerInvariant()}"));
 
         public int ItemSize => itemSize;
 
-        public void Put(Span<byte> bytes, double number) => Put(Dtype, bytes, number);
+        public void Put(Span<byte> bytes, double number) => Put(form, bytes, number);
 
         /// <summary>The numbers of an array of any dtype.</summary>
         public static double[] Of(MessageArray array)

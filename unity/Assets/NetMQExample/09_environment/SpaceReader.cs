@@ -9,7 +9,7 @@ namespace NetMQExample
     {
         private readonly GymSpace space;
         private readonly double[] numbers;
-        private readonly List<SpaceNumbers> parts = new List<SpaceNumbers>();
+        private readonly SpaceNumbers[] parts;
         private ReadOnlyMemory<byte> row;
         private object value;
 
@@ -18,7 +18,7 @@ namespace NetMQExample
         {
             this.space = Require.Given("space", space);
             numbers = new double[Math.Max(0, space.Count)];
-            if (space.Size >= 0) Collect(space, parts);
+            parts = Collected(space);
         }
 
         /// <summary>How many numbers it has, of all parts of its space together; 0 where that varies.</summary>
@@ -45,29 +45,39 @@ namespace NetMQExample
                 return;
             }
             if (row.Length != space.Size) throw NotInSpace($"{row.Length} bytes are");
-            var inside = true;
-            for (int i = 0, at = 0, from = 0; i < parts.Count; i++)
+            bool inside = true, moved = false;
+            var bytes = row.Span;
+            for (int i = 0, at = 0, from = 0; i < parts.Length; i++)
             {
-                inside &= parts[i].Read(row.Span.Slice(from, parts[i].Size), numbers, at);
+                inside &= parts[i].Read(bytes.Slice(from, parts[i].Size), numbers, at, ref moved);
                 at += parts[i].Count;
                 from += parts[i].Size;
             }
             if (!inside) throw NotInSpace($"{GymSpace.Shown(numbers)} is");
         }
 
-        /// <summary>Takes numbers of somebody who plays by hand.</summary>
+        // What was received goes with its message; in real time it is asked for again after that.
+        internal void Keep() => row = row.ToArray();
+
+        /// <summary>Takes what somebody wants who plays by hand: numbers (double[]), any value of the space, or null,
+        /// which is zeros.</summary>
         /// <exception cref="MessageException">They are not in the space.</exception>
-        public void Set(double[] given)
+        public void Set(object given)
         {
             var writer = new SpaceWriter(space);
-            foreach (var number in given) writer.Add(number);
+            if ((given ?? new double[numbers.Length]) is double[] all) writer.Add(all);
+            else writer.Set(given);
             Read(writer.End());
         }
 
-        /// <summary>The action of somebody who touches nothing: zeros.</summary>
-        public static double[] Nothing(GymSpace space) => new double[Math.Max(0, space.Count)];
+        internal static SpaceNumbers[] Collected(GymSpace space)
+        {
+            var parts = new List<SpaceNumbers>();
+            if (space.Size >= 0) Collect(space, parts);
+            return parts.ToArray();
+        }
 
-        internal static void Collect(GymSpace space, List<SpaceNumbers> into)
+        private static void Collect(GymSpace space, List<SpaceNumbers> into)
         {
             if (space.Numbers != null) into.Add(space.Numbers);
             foreach (var part in space.Parts) Collect(part, into);
@@ -129,11 +139,12 @@ namespace NetMQExample
         {
             var bytes = MessageParts.Take(ref from, part.Size);
             var read = new double[part.Count];
-            if (!part.Read(bytes.Span, read, 0)) throw NotInSpace($"{GymSpace.Shown(read)} is");
+            var moved = false;
+            if (!part.Read(bytes.Span, read, 0, ref moved)) throw NotInSpace($"{GymSpace.Shown(read)} is");
             if (part.IsSingle) return part.Dtype == "int64" ? (object)BitConverter.ToInt64(bytes.Span) : read[0];
             // The received array goes with its message; and a message has no int8.
-            return part.Dtype == "int8"
-                ? SpaceNumbers.Array("int32", read, part.Shape)
+            return moved || part.Dtype == "int8"
+                ? SpaceNumbers.Array(moved ? part.Dtype : "int32", read, part.Shape)
                 : new MessageArray(part.Dtype, bytes.ToArray(), part.Shape);
         }
 

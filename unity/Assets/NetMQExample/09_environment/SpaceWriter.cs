@@ -4,7 +4,6 @@
 //     seen.Add(view.Observe(pixels)).Add(speed);          a Dict of a picture and a number, in the order of its parts
 //     seen.Set(new Dictionary<string, object> { ["says"] = "hello", ["left"] = 3 });          any space
 using System;
-using System.Buffers;
 using System.Collections;
 using System.Collections.Generic;
 using System.Linq;
@@ -17,8 +16,8 @@ namespace NetMQExample
         private const uint NoEdges = uint.MaxValue;
 
         private readonly GymSpace space;
-        private readonly List<SpaceNumbers> parts = new List<SpaceNumbers>();
-        private ArrayBufferWriter<byte> to = new ArrayBufferWriter<byte>();
+        private readonly SpaceNumbers[] parts;
+        private FrameBuffer to = new FrameBuffer();
         // Which part comes next, how many of its numbers are there, and where the row began.
         private int part, filled, began;
         private bool whole;
@@ -27,7 +26,7 @@ namespace NetMQExample
         public SpaceWriter(GymSpace space)
         {
             this.space = Require.Given("space", space);
-            if (space.Size >= 0) SpaceReader.Collect(space, parts);
+            parts = SpaceReader.Collected(space);
             Skip(0);
         }
 
@@ -88,16 +87,16 @@ namespace NetMQExample
         /// <exception cref="MessageException">It is not in the space.</exception>
         public void Set(object value)
         {
-            if (whole || to.WrittenCount > began) throw NotInSpace("more than one value");
+            if (whole || to.Count > began) throw NotInSpace("more than one value");
             Write(space, value);
             whole = true;
         }
 
         /// <summary>Begins a row behind those that are there already.</summary>
-        internal SpaceWriter Begin(ArrayBufferWriter<byte> rows)
+        internal SpaceWriter Begin(FrameBuffer rows)
         {
             to = rows;
-            began = rows.WrittenCount;
+            began = rows.Count;
             part = 0;
             filled = 0;
             whole = false;
@@ -109,14 +108,14 @@ namespace NetMQExample
         /// <exception cref="MessageException">It is not whole.</exception>
         internal ReadOnlyMemory<byte> End()
         {
-            if (!whole && (space.Size < 0 || part < parts.Count))
+            if (!whole && (space.Size < 0 || part < parts.Length))
                 throw NotInSpace(space.Size < 0 ? "what was not given to Set" : $"{Given} numbers of {space.Count}");
-            return to.WrittenMemory.Slice(began);
+            return to.From(began);
         }
 
         private int Given => parts.Take(part).Sum(one => one.Count) + filled;
 
-        private SpaceNumbers Next() => !whole && part < parts.Count
+        private SpaceNumbers Next() => !whole && part < parts.Length
             ? parts[part]
             : throw NotInSpace(space.Size < 0 ? "a number" : $"more than {space.Count} numbers");
 
@@ -124,7 +123,7 @@ namespace NetMQExample
         private void Skip(int by = 1)
         {
             filled = 0;
-            for (part += by; part < parts.Count && parts[part].Count == 0;) part++;
+            for (part += by; part < parts.Length && parts[part].Count == 0;) part++;
         }
 
         private static bool Same(int[] one, int[] other)

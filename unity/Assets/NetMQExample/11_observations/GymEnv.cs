@@ -36,27 +36,27 @@ namespace NetMQExample
         public static void SendInfo(string agent, object info)
         {
             if (agent == "") SendInfo(info);
-            else Simulator.Find(agent).State.SendInfo(info);
+            else Simulator.Find(agent).AgentState.SendInfo(info);
         }
 
         /// <summary>Adds to an agent's reward.</summary>
-        public static void AddReward(string agent, double reward) => Simulator.Find(agent).State.AddReward(reward);
+        public static void AddReward(string agent, double reward) => Simulator.Find(agent).AgentState.AddReward(reward);
 
         /// <summary>Replaces an agent's reward.</summary>
-        public static void SetReward(string agent, double reward) => Simulator.Find(agent).State.SetReward(reward);
+        public static void SetReward(string agent, double reward) => Simulator.Find(agent).AgentState.SetReward(reward);
 
         /// <summary>The episode is over for one agent; without a name for all.</summary>
         public static void Terminate(string agent = "")
         {
             if (agent == "") Simulator.Terminate();
-            else Simulator.Find(agent).State.Terminate();
+            else Simulator.Find(agent).AgentState.Terminate();
         }
 
         /// <summary>The same, for another reason, such as the time.</summary>
         public static void Truncate(string agent = "")
         {
             if (agent == "") Simulator.Truncate();
-            else Simulator.Find(agent).State.Truncate();
+            else Simulator.Find(agent).AgentState.Truncate();
         }
     }
 }

@@ -61,6 +61,14 @@ namespace NetMQExample
         // Below each of the agents above it; its key is the names of the game objects from the agent to here.
         private Source Place()
         {
+            var source = new Source(FullName, () => Where(), Read);
+            return source.Locator.Absolute
+                ? source
+                : throw new ArgumentException($"{FullName} has no agent above it, and its locator names none");
+        }
+
+        private Locator Where()
+        {
             var scopes = new List<string>();
             var keys = "";
             for (var at = transform; at != null; at = at.parent)
@@ -70,10 +78,7 @@ namespace NetMQExample
                 keys = $"[{LocatorMapping.Quoted(at.name)}]{keys}";
             }
             var scope = scopes.Count > 0 ? Locator.Parse(string.Join(" & ", scopes)) : null;
-            var source = AgentState.Make(FullName, locator, GetComponent<Agent>() == null ? "" : Key, scope, Read);
-            return source.Locator.Absolute
-                ? source
-                : throw new ArgumentException($"{FullName} has no agent above it, and its locator names none");
+            return AgentState.Parse(FullName, locator, GetComponent<Agent>() == null ? "" : Key, scope);
         }
 
         private object Read()

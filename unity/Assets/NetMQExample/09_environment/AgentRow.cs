@@ -1,0 +1,226 @@
+// Lesson 09, rows: each agent that Python knows has one, in each request and in each answer.
+using System;
+using System.Collections.Generic;
+using System.Linq;
+using System.Text;
+
+namespace NetMQExample
+{
+    /// <summary>The place of an agent in its kind: its name stays, also while nobody has it.</summary>
+    internal sealed class AgentRow
+    {
+        private readonly SpaceReader reader;
+        private object tree;
+
+        public AgentRow(AgentKind kind, int place, int number, string name)
+        {
+            Kind = kind;
+            Place = place;
+            Number = number;
+            Name = name;
+            reader = kind.Action == null ? null : new SpaceReader(kind.Action);
+        }
+
+        public AgentKind Kind { get; }
+
+        /// <summary>Within its kind.</summary>
+        public int Place { get; }
+
+        /// <summary>Among all of the hello.</summary>
+        public int Number { get; }
+
+        public string Name { get; }
+
+        /// <summary>Who has it, or had it last; or null.</summary>
+        public IAgent Agent { get; set; }
+
+        public AgentState State { get; set; }
+
+        /// <summary>What it sees with, where that are attributes.</summary>
+        public SeenSources Seen { get; } = new SeenSources();
+
+        /// <summary>Its place in the list of those that take part; below 0: it has no part now.</summary>
+        public int At { get; set; } = -1;
+
+        public bool Present => At >= 0;
+
+        /// <summary>Whether its agent has been there at all.</summary>
+        public bool Came { get; set; }
+
+        /// <summary>Whether its episode has begun.</summary>
+        public bool Begun { get; set; }
+
+        /// <summary>Whether somebody has come who must begin.</summary>
+        public bool Born { get; set; }
+
+        /// <summary>Whether Python knows that it is over, or that it has left.</summary>
+        public bool Told { get; set; }
+
+        /// <summary>Whether it is new in this answer.</summary>
+        public bool New { get; set; }
+
+        /// <summary>Whether it has begun in this exchange.</summary>
+        public bool BeganNow { get; set; }
+
+        /// <summary>Whether the request has something for it.</summary>
+        public bool Asked { get; set; }
+
+        public Order Order { get; set; }
+
+        /// <summary>The seed of its next episode.</summary>
+        public long Seed { get; set; }
+
+        /// <summary>Whether it has an action, in real time also one from before.</summary>
+        public bool Acts { get; set; }
+
+        public bool Steps => Order == Order.Step || Order == Order.Last;
+
+        /// <summary>Whether it ticks: it is there, has begun, and is not over.</summary>
+        public bool Lives => Present && Begun && !Born && !State.Over;
+
+        /// <summary>Takes its action, and checks it.</summary>
+        public void Read(ReadOnlyMemory<byte> action, object form, bool keep)
+        {
+            Acts = true;
+            if (reader == null)
+            {
+                tree = form == null ? MessageTree.Read(action) : MessageTree.Read(form, action);
+                return;
+            }
+            reader.Read(action);
+            if (keep) reader.Keep();
+        }
+
+        /// <summary>Takes the action of somebody who plays by hand.</summary>
+        public void Take(object action)
+        {
+            Acts = true;
+            if (reader == null) tree = action;
+            else reader.Set(action);
+        }
+
+        public void Act()
+        {
+            if (reader == null) Agent.OnAction(tree);
+            else Agent.OnAction(reader);
+        }
+    }
+
+    /// <summary>Agents of one name, whose spaces are equal.</summary>
+    internal sealed class AgentKind
+    {
+        private readonly SpaceWriter writer;
+
+        public AgentKind(string name, int place, IAgent first)
+        {
+            Name = name;
+            Place = place;
+            Period = first.AgentState.Period;
+            Observation = first.Observation;
+            Action = first.Action;
+            writer = Observation == null ? null : new SpaceWriter(Observation);
+        }
+
+        public string Name { get; }
+
+        /// <summary>In the hello.</summary>
+        public int Place { get; }
+
+        public int Period { get; }
+
+        public GymSpace Observation { get; }
+
+        public GymSpace Action { get; }
+
+        public List<AgentRow> Rows { get; } = new List<AgentRow>();
+
+        /// <summary>Whether Python has asked for it in this request.</summary>
+        public bool Asked { get; set; }
+
+        /// <summary>The seed of its first agent, as of the last reset.</summary>
+        public long Seed { get; set; }
+
+        /// <summary>How many bytes each observation has; below 0: that varies.</summary>
+        public int Size => Observation?.Size ?? -1;
+
+        /// <summary>Writes an observation.</summary>
+        public void Write(AgentRow row, FrameBuffer to)
+        {
+            if (writer == null)
+            {
+                row.Seen.Write(to);
+                return;
+            }
+            row.Agent.Observe(writer.Begin(to));
+            writer.End();
+        }
+
+        /// <exception cref="MessageException">This agent is of another kind.</exception>
+        public void Check(IAgent agent)
+        {
+            var what = agent.AgentState.Period != Period ? "step period"
+                : !Same(agent.Observation, Observation) ? "Observation"
+                : !Same(agent.Action, Action) ? "Action" : null;
+            if (what != null)
+                throw new MessageException("two-kinds", $"'{agent.AgentState.Name}' and '{Rows[0].Name}' have one Agent "
+                    + $"Name, {Name}, and not the same {what}: give them two names");
+        }
+
+        public object Describe(int atMost) => new Dictionary<string, object>
+        {
+            ["name"] = Name,
+            ["team"] = 0L,
+            ["agents"] = Rows.Select(row => (object)row.Name).ToList(),
+            ["at_most"] = (long)atMost,
+            ["period"] = (long)Period,
+            ["observation"] = Observation?.Description,
+            ["action"] = Action?.Description,
+            ["sensors"] = new List<object>(),
+            ["branches"] = null,
+            ["groups"] = false,
+        };
+
+        private static bool Same(GymSpace one, GymSpace other) => ReferenceEquals(one, other)
+            || one != null && other != null && one.ToString() == other.ToString()
+            && MessageTree.Write(one.Description).AsSpan().SequenceEqual(MessageTree.Write(other.Description));
+    }
+
+    /// <summary>The sources of one agent, in the order of their locators: the whole of a thing before its parts, and the
+    /// same on every side. Its form changes seldom.</summary>
+    internal sealed class SeenSources
+    {
+        private Source[] sources = new Source[0];
+        private string[] keys = new string[0], forms = new string[0];
+
+        /// <summary>The form of the last row, as MessageTree.cs has it.</summary>
+        public string Form { get; private set; }
+
+        /// <summary>From now on these.</summary>
+        public void Set(string agent, IEnumerable<Source> all)
+        {
+            var own = all.Select(source => (Source: source, Text: source.For(agent)))
+                .OrderBy(one => one.Text, StringComparer.Ordinal).ToArray();
+            sources = Array.ConvertAll(own, one => one.Source);
+            keys = Array.ConvertAll(own, one => $"[{MessageJson.Quoted(one.Text)},");
+            forms = new string[own.Length];
+            Form = null;
+        }
+
+        /// <summary>Writes the numbers of all of them now.</summary>
+        public void Write(FrameBuffer to)
+        {
+            var same = Form != null;
+            for (var i = 0; i < sources.Length; i++)
+            {
+                var form = sources[i].Write(to, forms[i]);
+                same &= ReferenceEquals(form, forms[i]) || form == forms[i];
+                forms[i] = form;
+            }
+            if (same) return;
+            var text = new StringBuilder("[");
+            for (var i = 0; i < forms.Length; i++)
+                text.Append(i > 0 ? "," : "").Append(keys[i]).Append(forms[i]).Append(']');
+            Form = text.Append(']').ToString();
+        }
+    }
+}
