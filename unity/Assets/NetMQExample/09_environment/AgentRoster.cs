@@ -50,6 +50,9 @@ namespace NetMQExample
         /// <summary>Whether somebody waits for a name.</summary>
         public bool Unsettled => waiting.Count > 0;
 
+        /// <summary>The seed of the first agent, as of the last time when all have begun.</summary>
+        public long Seed { get; set; }
+
         /// <summary>Whether an episode has begun at all.</summary>
         public bool Started { get; set; }
 
@@ -127,6 +130,8 @@ namespace NetMQExample
                 row.State.Call(row.Name);
                 kind.Check(agent);
             }
+            kind.Located = kind.Observation == null
+                || own[0].AgentState.Sources.Any(source => source.Names(own[0].AgentState.Name));
             Kinds.Add(kind);
         }
 
@@ -233,11 +238,11 @@ namespace NetMQExample
             var seen = Rows.ToDictionary(row => row, row => new List<Source>());
             foreach (var source in known.SelectMany(agent => agent.AgentState.Sources).Concat(knownSensors))
                 foreach (var row in source.Locator.Mappings.Any(mapping => mapping.Everyone)
-                    ? Rows.Where(row => source.Names(row.Name) && row.Kind.Observation == null)
+                    ? Rows.Where(row => source.Names(row.Name) && row.Kind.Located)
                     : source.Locator.Mappings.SelectMany(mapping => mapping.Agents).Distinct()
                         .Where(rows.ContainsKey).Select(name => rows[name]))
                 {
-                    if (row.Kind.Observation != null)
+                    if (!row.Kind.Located)
                         throw new MessageException("wrong-locator", $"{source.Name}: its locator {source.Locator} writes "
                             + $"into agent '{row.Name}', whose Observation is in C#");
                     seen[row].Add(source);

@@ -62,9 +62,6 @@ namespace NetMQExample
         /// <summary>Whether it has begun in this exchange.</summary>
         public bool BeganNow { get; set; }
 
-        /// <summary>Whether the request has something for it.</summary>
-        public bool Asked { get; set; }
-
         public Order Order { get; set; }
 
         /// <summary>The seed of its next episode.</summary>
@@ -72,6 +69,9 @@ namespace NetMQExample
 
         /// <summary>Whether it has an action, in real time also one from before.</summary>
         public bool Acts { get; set; }
+
+        /// <summary>What it has seen in the step of its end, where others have begun since then.</summary>
+        public byte[] Last { get; set; }
 
         public bool Steps => Order == Order.Step || Order == Order.Last;
 
@@ -137,33 +137,37 @@ namespace NetMQExample
         /// <summary>Whether Python has asked for it in this request.</summary>
         public bool Asked { get; set; }
 
-        /// <summary>The seed of its first agent, as of the last reset.</summary>
-        public long Seed { get; set; }
+        /// <summary>Whether what is seen comes as locators and values, also where C# says the space.</summary>
+        public bool Located { get; set; }
 
         /// <summary>How many bytes each observation has; below 0: that varies.</summary>
-        public int Size => Observation?.Size ?? -1;
+        public int Size => Located ? -1 : Observation.Size;
 
         /// <summary>Writes an observation.</summary>
         public void Write(AgentRow row, FrameBuffer to)
         {
-            if (writer == null)
+            if (row.Last != null)
             {
-                row.Seen.Write(to);
-                return;
+                to.Write(row.Last);
+                row.Last = null;
             }
-            row.Agent.Observe(writer.Begin(to));
-            writer.End();
+            else if (Located) row.Seen.Write(to);
+            else
+            {
+                row.Agent.Observe(writer.Begin(to));
+                writer.End();
+            }
         }
 
         /// <exception cref="MessageException">This agent is of another kind.</exception>
         public void Check(IAgent agent)
         {
-            var what = agent.AgentState.Period != Period ? "step period"
-                : !Same(agent.Observation, Observation) ? "Observation"
-                : !Same(agent.Action, Action) ? "Action" : null;
+            var what = agent.AgentState.Period != Period ? "period"
+                : !Same(agent.Observation, Observation) ? "observation"
+                : !Same(agent.Action, Action) ? "action" : null;
             if (what != null)
-                throw new MessageException("two-kinds", $"'{agent.AgentState.Name}' and '{Rows[0].Name}' have one Agent "
-                    + $"Name, {Name}, and not the same {what}: give them two names");
+                throw new MessageException("two-kinds", $"'{agent.AgentState.Name}' and '{Rows[0].Name}' have one name, "
+                    + $"{Name}, and not the same {what}: give them two names");
         }
 
         public object Describe(int atMost) => new Dictionary<string, object>
@@ -175,6 +179,7 @@ namespace NetMQExample
             ["period"] = (long)Period,
             ["observation"] = Observation?.Description,
             ["action"] = Action?.Description,
+            ["located"] = Located,
             ["sensors"] = new List<object>(),
             ["branches"] = null,
             ["groups"] = false,

@@ -15,6 +15,9 @@ namespace NetMQExample
         // How often a script has named an agent.
         [ThreadStatic] internal static int Renames;
 
+        // Names in an info that are the environment's own, or Gymnasium's.
+        private static readonly string[] Reserved = { "agent", "env", "lost", "final_obs", "final_info" };
+
         private readonly InfoList infos = new InfoList();
         private readonly Dictionary<string, object> info = new Dictionary<string, object>();
         private int period;
@@ -169,12 +172,22 @@ namespace NetMQExample
         // By name, until TakeInfo is called again; or null.
         internal Dictionary<string, object> TakeInfo()
         {
+            if (info.Count > 0) Check();
             var sent = infos.Take();
             if (sent != null) info["agent"] = sent;
             return info.Count > 0 ? info : null;
         }
 
         internal void ForgetInfo() => info.Clear();
+
+        private void Check()
+        {
+            foreach (var name in info.Keys)
+                if (Array.IndexOf(Reserved, name) >= 0 || name.StartsWith("_", StringComparison.Ordinal)
+                    && info.ContainsKey(name.Substring(1)))
+                    throw new MessageException("bad-info",
+                        $"these names are the environment's own: {MessageJson.Shown(name)}; {Name} has it");
+        }
 
         private static Locator ScopeOf(string name) => Locator.Parse(LocatorMapping.Quoted(name) + "@");
 

@@ -36,11 +36,11 @@ namespace NetMQExample
         /// <summary>Hears what Python sends to the environment itself.</summary>
         public event Action<object> OnInfo;
 
-        /// <summary>The env_name in Python.</summary>
-        protected virtual string EnvName => envName;
+        /// <summary>The env_name in Python. Set it before it is enabled, such as in Awake.</summary>
+        public string EnvName { get => envName; set => envName = value; }
 
-        /// <summary>Seconds of a tick.</summary>
-        protected virtual double Dt => dt;
+        /// <summary>Seconds of a tick. Set it before it is enabled, such as in Awake.</summary>
+        public double Dt { get => dt; set => dt = value; }
 
         /// <summary>Who takes part: agents may come and go.</summary>
         protected virtual IReadOnlyList<IAgent> Agents => Agent.All;

@@ -117,7 +117,8 @@ namespace NetMQExample
             if (bits > 15 || Count == 0 || BitConverter.ToUInt32(bytes.Slice(4)) != 0 || Id >> 53 != 0)
                 throw Bad($"id {Id}, bits {bits} and {Count} sections cannot be");
             if ((bits & 4) != 0)
-                throw new MessageException("no-clock", "this kit steps by Python's clock, and not yet by the scene's own");
+                throw new MessageException("wrong-clock",
+                    "this simulator goes by Python's clock, and not by the scene's");
             HasExchange = (bits & 1) != 0;
             Autoreset = (bits & 2) != 0;
             RealTime = (bits & 8) != 0;
@@ -168,7 +169,7 @@ namespace NetMQExample
     {
         private ReadOnlyMemory<byte> frame;
         private int[] begins = new int[0];
-        private int begin, who;
+        private int begin;
 
         /// <summary>The kind, its place in the hello.</summary>
         public int Kind { get; private set; }
@@ -185,10 +186,6 @@ namespace NetMQExample
 
         /// <summary>The seed of its next episode.</summary>
         public long Seed(int row) => BitConverter.ToInt64(frame.Span.Slice(begin + 8 * row));
-
-        /// <summary>Whose row it is, its place within the kind.</summary>
-        public long Whose(int row) =>
-            (Columns & Columns.Who) == 0 ? row : BitConverter.ToUInt32(frame.Span.Slice(who + 4 * row));
 
         /// <summary>Its action; nothing for one that does not step.</summary>
         public ReadOnlyMemory<byte> Row(int row) => frame.Slice(begins[row], begins[row + 1] - begins[row]);
@@ -213,15 +210,12 @@ namespace NetMQExample
                 | BitConverter.ToUInt32(head.Slice(20));
             // Looked at before anything is made of it: a frame may claim thousands of millions.
             if (from + 24 + 9 * count + values > frame.Length) throw Early();
-            const Columns Known = Columns.Who | Columns.Sizes | Columns.Form;
-            if (count == 0 || infos != 0 || (Columns & ~Known) != 0 || (Columns & Known) == Known
-                || (Columns & (Columns.Sizes | Columns.Form)) == (Columns.Sizes | Columns.Form))
+            const Columns Both = Columns.Sizes | Columns.Form;
+            if (count == 0 || infos != 0 || (Columns & ~Both) != 0 || Columns == Both)
                 throw StepRequest.Bad($"a section of {count} rows with columns {(int)Columns} cannot be");
             Count = (int)count;
             begin = (int)from + 24;
             var at = begin + 8 * count + StepRequest.Up(count);
-            who = (int)at;
-            if ((Columns & Columns.Who) != 0) at += StepRequest.Up(4 * count);
             var acting = 0;
             for (var row = 0; row < Count; row++)
             {

@@ -25,9 +25,9 @@ namespace NetMQExample
         private readonly InfoList infos = new InfoList();
         private readonly SeenRows seen = new SeenRows();
         private readonly Stopwatch since = new Stopwatch();
-        private readonly List<AgentRow> shown = new List<AgentRow>(), ended = new List<AgentRow>();
+        private readonly List<AgentRow> shown = new List<AgentRow>();
         // Made once: a new one for each step would be garbage.
-        private readonly Func<AgentRow, bool> isOrdered, hasEnded, isBorn;
+        private readonly Func<AgentRow, bool> isOrdered, hasEnded, isNone;
         // An agent judges in its Update: then each step needs a frame.
         private bool framed, frameLeft;
         // Whether it was said that nobody hears what Python sends to the environment, and that a kind idles.
@@ -52,10 +52,10 @@ namespace NetMQExample
             foreach (var agent in Require.Given("agents", agents)) Require.Given("agents", agent);
             roster = new AgentRoster(dt, agents, sensors ?? new Source[0])
             { Refuse = (agent, why) => Refuse(agent, why) };
-            steps = new SceneSteps(roster, dt) { World = world };
+            steps = new SceneSteps(roster, dt) { World = world, Anew = infos.Clear };
             isOrdered = row => row.Order == Order.Reset;
-            hasEnded = row => row.Order == Order.Reset || row.Steps && row.Begun && row.State.Over;
-            isBorn = row => row.Born;
+            hasEnded = row => row.Order == Order.Reset || row.Steps && row.Present && row.Begun && row.State.Over;
+            isNone = row => false;
         }
 
         /// <inheritdoc/>
@@ -114,16 +114,9 @@ namespace NetMQExample
         }
 
         /// <summary>Brings a scene in real time up to the clock; on any other it does nothing.</summary>
-        /// <param name="but">All but so many seconds.</param>
-        public void CatchUp(double but = 0)
+        public void CatchUp()
         {
-            if (!real.On || Waiting) return;
-            AgentState.Inside = true;
-            try
-            {
-                while (roster.Rows.Any(row => row.Acts && row.Lives) && real.IsDue(StepSeconds(), but)) steps.Step(true);
-            }
-            finally { AgentState.Inside = false; }
+            if (!Waiting) Inside(() => Steps += CatchUpTo(0));
         }
 
         /// <inheritdoc/>
@@ -175,7 +168,8 @@ namespace NetMQExample
                 {
                     if (NeedsFrame()) return false;
                     stepped = true;
-                    if (!Begin(request, answer)) loadedBefore = true;
+                    // A scene that is only kept ready is none to wait for, unless an OnReset wants it.
+                    loadedBefore = !Begin(request, answer);
                 }
                 if (NeedsFrame()) return false;
                 See(request, answer);
@@ -191,7 +185,7 @@ namespace NetMQExample
         {
             foreach (var kind in roster.Kinds) kind.Asked = true;
             foreach (var row in roster.Rows) (row.Order, row.Seed) = (Order.Reset, seed + row.Number);
-            steps.Begin(isOrdered, default);
+            Inside(() => steps.Begin(isOrdered, default, seed));
         }
 
         /// <summary>A step of those that act, for somebody who plays by hand.</summary>
@@ -204,18 +198,24 @@ namespace NetMQExample
                 row.Order = Order.Step;
                 if (row.Lives) row.Take(heuristic(row.Agent));
             }
-            steps.Step();
-            steps.Begin(isBorn, default);
+            Inside(() => steps.Step() + steps.Begin(isNone, default, 0));
             var total = 0.0;
-            foreach (var row in roster.Rows)
+            foreach (var row in roster.Rows.Where(row => row.Present))
             {
-                if (!row.Present) continue;
                 total += row.State.Take().Reward;
                 // Nobody reads them.
+                row.State.TakeInfo();
                 row.State.ForgetInfo();
             }
             infos.Clear();
             return (total, !roster.Rows.Any(row => row.Lives));
+        }
+
+        private static void Inside(Func<int> work)
+        {
+            AgentState.Inside = true;
+            try { work(); }
+            finally { AgentState.Inside = false; }
         }
 
         // Checks all of it, and does the step.
@@ -225,14 +225,13 @@ namespace NetMQExample
             stepped = Loading = false;
             loadedBefore = Loads();
             roster.Settle(false);
-            CatchUp(StepSeconds());
+            Steps += CatchUpTo(dt);
             Ask(request);
             LookForLate();
             real.Switch(request.RealTime);
             if (!request.Steps) return;
-            steps.Step(real.On);
-            real.Pass(StepSeconds());
-            Steps++;
+            Steps += steps.Step(real.On);
+            real.Pass(dt);
             frameLeft = framed;
         }
 
@@ -242,42 +241,41 @@ namespace NetMQExample
             foreach (var row in roster.Rows)
             {
                 row.Order = Order.Nothing;
-                row.New = row.BeganNow = row.Asked = false;
+                row.New = row.BeganNow = false;
                 row.Acts &= real.On;
+                row.Last = null;
             }
             for (var i = 0; i < request.Count; i++) Ask(request, request[i]);
             var alone = idle ? null : roster.Kinds.Find(kind => !kind.Asked);
             if (alone == null) return;
             idle = true;
-            Warn($"trouble: Python does not ask for '{alone.Name}': agents of that name do nothing");
+            Warn($"trouble: nobody asks for {alone.Name}: agents of that name stand still");
         }
 
         private void Ask(StepRequest request, RequestSection section)
         {
             var kind = section.Kind < roster.Kinds.Count ? roster.Kinds[section.Kind] : null;
             if (kind == null || kind.Asked)
-                throw new MessageException("wrong-agents", $"there are {roster.Kinds.Count} kinds of agents, and each is "
-                    + $"asked once, but a section is for number {section.Kind}");
-            if ((section.Columns & Columns.Who) == 0 && section.Count != kind.Rows.Count)
                 throw new MessageException("wrong-agents",
-                    $"{section.Count} rows, but there are {kind.Rows.Count} agents of the name '{kind.Name}'");
+                    $"kind {section.Kind} is none, or asked for twice: there are {roster.Kinds.Count}");
+            if (section.Count != kind.Rows.Count)
+                throw new MessageException("wrong-agents",
+                    $"{section.Count} rows, but there are {kind.Rows.Count} agents of {kind.Name}");
             kind.Asked = true;
             var form = section.Form.Length > 0 && kind.Action == null ? MessageTree.Form(section.Form) : null;
             var first = true;
             for (var i = 0; i < section.Count; i++)
             {
-                var whose = section.Whose(i);
-                if (whose >= kind.Rows.Count || kind.Rows[(int)whose].Asked)
-                    throw new MessageException("wrong-agents", $"row {i} is of agent {whose} of {kind.Rows.Count}, or twice");
-                var row = kind.Rows[(int)whose];
-                row.Asked = true;
+                var row = kind.Rows[i];
                 row.Order = section.OrderOf(i);
                 row.Seed = section.Seed(i);
+                if (row.Steps && row.Present && !row.Begun && !row.Born)
+                    throw new MessageException("wrong-agents",
+                        $"{row.Name} is over, or has not begun: reset comes first");
                 // One that has left does not act, and the answer says so.
                 if (row.Steps && row.Lives) row.Read(section.Row(i), form, request.RealTime);
                 if (row.Order != Order.Reset || !first) continue;
                 first = false;
-                kind.Seed = row.Seed - row.Place;
                 // What is wrong with them is said before anything moves.
                 SceneSteps.Copy(request.Options, row.State?.StateSize ?? 0, out _);
             }
@@ -289,82 +287,80 @@ namespace NetMQExample
             roster.Settle(Loading);
             LookForLate();
             Loading = false;
-            var before = steps.Episodes;
-            if (request.Autoreset)
-                for (var i = 0; i < request.Count; i++) SeeEnded(roster.Kinds[request[i].Kind], answer);
-            steps.Begin(request.Autoreset ? hasEnded : isOrdered, request.Options);
-            BeginBorn();
-            Episodes = steps.Episodes;
-            loadedBefore &= before == Episodes;
-            if (before != Episodes && !request.Steps) real.Restart();
-            return before != Episodes;
+            var resets = request.Has(Order.Reset);
+            for (var i = 0; i < request.Count; i++) End(roster.Kinds[request[i].Kind], request.Autoreset, resets, answer);
+            var begun = steps.Begin(request.Autoreset ? hasEnded : isOrdered, request.Options, request[0].Seed(0));
+            Episodes += begun;
+            if (begun > 0 && !request.Steps) real.Restart();
+            return begun > 0;
         }
 
-        // Somebody has come in the middle of an episode.
-        private void BeginBorn()
+        private void End(AgentKind kind, bool autoreset, bool resets, StepAnswer answer)
         {
-            var any = false;
-            foreach (var row in roster.Rows)
+            shown.Clear();
+            foreach (var row in kind.Rows)
             {
-                if (!row.Born || !row.Kind.Asked) continue;
-                any = row.New = true;
-                row.Seed = row.Kind.Seed + row.Place;
+                if (!row.Steps || !row.Present || !row.Begun) continue;
+                if (row.Order == Order.Last) row.State.Truncate();
+                if (row.State.Over) shown.Add(row);
             }
-            if (any) steps.Begin(isBorn, default);
+            if (shown.Count == 0) return;
+            if (!autoreset)
+            {
+                // Before others begin, which might change what it sees.
+                if (resets) foreach (var row in shown) row.Last = seen.One(kind, row);
+                return;
+            }
+            answer.BeginSection(kind.Place, shown.Count, Columns.Who | Columns.Ended);
+            foreach (var row in shown) answer.Who(row.Place);
+            seen.Write(kind, shown, answer);
+            for (var i = 0; i < shown.Count; i++) Tell(shown[i], i, answer);
+            answer.EndSection();
+            // For the next lines they are still in their episode.
+            foreach (var row in shown) row.Begun = true;
         }
 
         private void See(StepRequest request, StepAnswer answer)
         {
             roster.Settle(Loading);
-            BeginBorn();
-            Episodes = steps.Episodes;
+            // Who has come in the frame that has passed.
+            Episodes += steps.Begin(isNone, default, 0);
             Loading = false;
             for (var i = 0; i < request.Count; i++)
             {
                 var kind = roster.Kinds[request[i].Kind];
                 answer.BeginSection(kind.Place, kind.Rows.Count, Columns.None);
                 shown.Clear();
-                foreach (var row in kind.Rows)
-                    if (row.Present && row.Begun && (row.Order != Order.Nothing || row.New)) shown.Add(row);
+                foreach (var row in kind.Rows) if (row.Present && (row.Order != Order.Nothing || row.New)) shown.Add(row);
                 seen.Write(kind, shown, answer);
-                foreach (var row in kind.Rows) Tell(row, row.Place, row.Present && row.Begun, answer);
+                foreach (var row in kind.Rows)
+                    if (!row.Present || row.Order != Order.Nothing || row.New) Tell(row, row.Place, answer);
                 answer.EndSection();
             }
             var said = infos.Take();
             answer.Infos = said == null ? null : MessageTree.Write(said);
         }
 
-        private void SeeEnded(AgentKind kind, StepAnswer answer)
-        {
-            ended.Clear();
-            shown.Clear();
-            foreach (var row in kind.Rows)
-            {
-                if (!row.Steps || !row.Begun || !row.State.Over) continue;
-                ended.Add(row);
-                if (row.Present) shown.Add(row);
-            }
-            if (ended.Count == 0) return;
-            answer.BeginSection(kind.Place, ended.Count, Columns.Who | Columns.Ended);
-            foreach (var row in ended) answer.Who(row.Place);
-            seen.Write(kind, shown, answer);
-            for (var i = 0; i < ended.Count; i++)
-            {
-                Tell(ended[i], i, ended[i].Present, answer);
-                ended[i].New = true;
-            }
-            answer.EndSection();
-        }
-
         // What is said of a row: its reward, its marks, and its infos.
-        private static void Tell(AgentRow row, int at, bool present, StepAnswer answer)
+        private static void Tell(AgentRow row, int at, StepAnswer answer)
         {
-            if (row.Order == Order.Nothing && !row.New) return;
             var (reward, ends) = row.State?.Take() ?? (0, 0);
-            var mark = (Marks)ends | (present ? Marks.Seen : Marks.Absent) | (present && row.New ? Marks.New : 0);
-            row.Told = !present || ends != 0;
+            // An end in an OnReset belongs to the first step.
+            if (row.Present && (!row.Steps || row.New)) ends = 0;
+            var mark = (Marks)ends | (row.Present ? Marks.Seen : Marks.Absent);
+            if (row.Present && row.New) mark |= Marks.New;
+            row.Told = !row.Present || ends != 0;
+            // From now on it must be reset.
+            if (row.Told) row.Begun = false;
             answer.Set(at, reward, mark, row.State?.TakeInfo());
             row.State?.ForgetInfo();
+        }
+
+        private int CatchUpTo(double but)
+        {
+            var count = 0;
+            while (real.On && roster.Rows.Any(row => row.Lives) && real.IsDue(dt, but)) count += steps.Step(true);
+            return count;
         }
 
         private bool NeedsFrame()
@@ -383,7 +379,7 @@ namespace NetMQExample
         {
             roster.Settle(true);
             foreach (var row in roster.Rows)
-                if (!row.Present && row.Asked && (row.BeganNow || row.Steps && row.Begun && !row.Told)) return false;
+                if (!row.Present && (row.BeganNow || row.Steps && row.Begun)) return false;
             return true;
         }
 
@@ -395,13 +391,6 @@ namespace NetMQExample
             framed = true;
             Warn($"trouble: agent '{late.Name}' called {late.State.Late} between two steps, such as in its Update: from "
                 + "now on each step waits for a frame; in OnAction or OnTick it belongs to its step, at full speed");
-        }
-
-        private double StepSeconds()
-        {
-            var most = 1;
-            foreach (var row in roster.Rows) if (row.Acts) most = Math.Max(most, row.State.Period);
-            return dt * most;
         }
 
         private Message Render(long id)

@@ -17,10 +17,13 @@ namespace NetMQExample
     {
         private static readonly IReadOnlyDictionary<string, object> None = new Dictionary<string, object>();
         private static readonly double[] NoState = new double[0];
+        // Of agents that bring others in their OnReset.
+        private const int MostRounds = 100;
 
         private readonly AgentRoster roster;
         private readonly double dt;
-        private readonly List<AgentRow> acting = new List<AgentRow>(), beginning = new List<AgentRow>();
+        private readonly List<AgentRow> acting = new List<AgentRow>(), beginning = new List<AgentRow>(),
+            turn = new List<AgentRow>();
 
         public SceneSteps(AgentRoster roster, double dt)
         {
@@ -34,21 +37,23 @@ namespace NetMQExample
         /// <summary>One tick of whatever moves besides the agents and the world.</summary>
         public Action Physics { get; set; } = () => { };
 
-        /// <summary>How many episodes were begun.</summary>
-        public int Episodes { get; private set; }
+        /// <summary>Called when all begin because Python says so, before anything else.</summary>
+        public Action Anew { get; set; } = () => { };
 
         /// <summary>A step of all that have an action.</summary>
-        /// <param name="real">Whether an action is for each step until the next one comes.</param>
-        public void Step(bool real = false)
+        /// <param name="real">In real time each tick is a step of everybody, with the last action.</param>
+        /// <returns>Of how many agents.</returns>
+        public int Step(bool real = false)
         {
             acting.Clear();
-            foreach (var row in roster.Rows) if (row.Acts && row.Lives) acting.Add(row);
-            var ticks = 0;
+            foreach (var row in roster.Rows) if (row.Lives && row.Kind.Asked && (row.Acts || real)) acting.Add(row);
+            var ticks = real ? 1 : 0;
             foreach (var row in acting)
             {
-                if (!roster.IsThere(row)) continue;
+                if (!row.Acts || !roster.IsThere(row)) continue;
                 row.Act();
-                ticks = Math.Max(ticks, row.State.Period);
+                if (!real) ticks = Math.Max(ticks, row.State.Period);
+                row.Acts = real;
             }
             // Nothing after the end belongs to a step.
             for (var tick = 0; tick < ticks && IsAnyLeft(); tick++)
@@ -59,45 +64,68 @@ namespace NetMQExample
                 World?.OnTick(dt);
                 Physics();
             }
-            foreach (var row in acting)
-            {
-                if (roster.IsThere(row)) row.Agent.OnStepped();
-                if (row.Order == Order.Last && !row.State.Over) row.State.Truncate();
-                row.Acts &= real;
-            }
+            foreach (var row in acting) if (roster.IsThere(row)) row.Agent.OnStepped();
             World?.OnStepped();
+            return acting.Count;
         }
 
         /// <summary>Begins episodes.</summary>
-        /// <param name="begins">Of these, as soon as their agents are there: an OnReset may bring others back.</param>
-        /// <param name="options">Of each of them, a copy.</param>
-        public void Begin(Func<AgentRow, bool> begins, ReadOnlyMemory<byte> options)
+        /// <param name="again">Of these, and of all that have come; an OnReset may bring others, who have their turn
+        /// then.</param>
+        /// <param name="options">Of each that is told to, a copy.</param>
+        /// <param name="seed">That of the first agent, of whom all of the world comes.</param>
+        /// <returns>How many.</returns>
+        public int Begin(Func<AgentRow, bool> again, ReadOnlyMemory<byte> options, long seed)
         {
             beginning.Clear();
-            foreach (var row in roster.Rows) if (row.Kind.Asked && begins(row)) beginning.Add(row);
-            if (beginning.Count == 0) return;
-            var first = beginning.Find(row => !row.Born);
-            if (World != null && first != null && !roster.Rows.Any(row =>
-                row.Kind.Asked && row.Present && (row.Lives || row.Steps) && !beginning.Contains(row)))
-                World.OnReset(new RandomGenerator(first.Seed - first.Number),
-                    Copy(first.Order == Order.Reset ? options : default, 0, out _));
-            while (true)
+            var told = false;
+            foreach (var row in roster.Rows)
             {
-                var now = beginning.Where(row => row.Agent != null && row.Came && roster.Exists(row.Agent)).ToList();
-                if (now.Count == 0) return;
-                foreach (var row in now)
-                {
-                    // Who begins by itself begins without options.
-                    var own = Copy(row.Order == Order.Reset ? options : default, row.State.StateSize, out var state);
-                    row.State.Begin(new RandomGenerator(row.Seed), own, state);
-                    row.Begun = row.BeganNow = roster.Started = true;
-                    row.Born = row.Told = false;
-                    beginning.Remove(row);
-                }
-                foreach (var row in now) row.Agent.OnReset();
-                Episodes += now.Count;
-                if (beginning.Count > 0) roster.Settle(false);
+                if (!row.Kind.Asked || !again(row)) continue;
+                beginning.Add(row);
+                told |= row.Order == Order.Reset;
             }
+            if (beginning.Count > 0 && !roster.Rows.Any(row => row.Kind.Asked && row.Present && row.Begun
+                && !beginning.Contains(row)))
+            {
+                roster.Seed = unchecked(seed - roster.Rows.Find(row => row.Kind.Asked).Number);
+                if (told) Anew();
+                World?.OnReset(new RandomGenerator(seed), Copy(told ? options : default, 0, out _));
+                roster.Settle(false);
+            }
+            var count = 0;
+            for (var round = 0; round < MostRounds; round++)
+            {
+                turn.Clear();
+                foreach (var row in roster.Rows)
+                    if (row.Kind.Asked && (row.Born && row.Present || beginning.Count > 0 && beginning.Contains(row)
+                        && row.Agent != null && row.Came && roster.Exists(row.Agent))) turn.Add(row);
+                if (turn.Count == 0) break;
+                foreach (var row in turn) Begin(row, beginning.Remove(row), options);
+                foreach (var row in turn) OnReset(row);
+                count += turn.Count;
+                roster.Settle(false);
+            }
+            return count;
+        }
+
+        private void Begin(AgentRow row, bool again, ReadOnlyMemory<byte> options)
+        {
+            var told = again && row.Order == Order.Reset;
+            // Who begins by itself begins without options.
+            var own = Copy(told ? options : default, row.State.StateSize, out var state);
+            var seed = again ? row.Seed : unchecked(roster.Seed + row.Number);
+            row.State.Begin(new RandomGenerator(seed), own, state);
+            row.Begun = row.BeganNow = roster.Started = true;
+            row.Born = row.Told = false;
+            row.New = !told;
+        }
+
+        private static void OnReset(AgentRow row)
+        {
+            row.Agent.OnReset();
+            // What it earns before its first step belongs to none.
+            row.State.Take();
         }
 
         /// <summary>Options as one agent gets them.</summary>

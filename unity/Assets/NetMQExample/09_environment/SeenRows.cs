@@ -31,26 +31,34 @@ namespace NetMQExample
             {
                 kind.Write(rows[i], scratch);
                 ends[i] = scratch.Count;
-                forms[i] = kind.Observation == null ? rows[i].Seen.Form : "";
+                forms[i] = kind.Located ? rows[i].Seen.Form : "";
                 alike &= Size(i) == Size(0) && (ReferenceEquals(forms[i], forms[0]) || forms[i] == forms[0]);
             }
-            if (alike) answer.BeginValues(rows.Count, false, kind.Observation == null ? BytesOf(forms[0]) : null)
+            if (alike) answer.BeginValues(rows.Count, false, kind.Located ? BytesOf(forms[0]) : null)
                 .Write(scratch.From(0).Span);
             else WriteEach(kind, rows.Count, answer);
+        }
+
+        /// <summary>The observation of one agent, as it is now.</summary>
+        public byte[] One(AgentKind kind, AgentRow row)
+        {
+            scratch.Clear();
+            kind.Write(row, scratch);
+            return scratch.From(0).ToArray();
         }
 
         private int Size(int row) => ends[row] - (row == 0 ? 0 : ends[row - 1]);
 
         private void WriteEach(AgentKind kind, int count, StepAnswer answer)
         {
-            int Whole(int row) => Size(row) + (kind.Observation == null ? 4 + forms[row].Length : 0);
+            int Whole(int row) => Size(row) + (kind.Located ? 4 + forms[row].Length : 0);
             var sized = false;
             for (var i = 0; i < count; i++) sized |= Whole(i) != Whole(0);
             var to = answer.BeginValues(count, sized);
             for (var i = 0; i < count; i++)
             {
                 if (sized) answer.Size(i, Whole(i));
-                if (kind.Observation == null) MessageParts.WriteText(to, forms[i]);
+                if (kind.Located) MessageParts.WriteText(to, forms[i]);
                 to.Write(scratch.From(0).Span.Slice(ends[i] - Size(i), Size(i)));
             }
         }

@@ -1,7 +1,8 @@
 // Lesson 10, real time: the world goes on while Python thinks, for whoever asks for it. In Python: scene/real_time.py.
 //
-// Each step first makes up for those that the clock has seen since the last one, with the actions from then; rewards are
-// summed. It is Python that keeps the pace: it sends no more than one step for each that is due.
+// Each exchange first makes up for the ticks that the clock has seen since the last one, with the actions from then; the
+// tick that is due now has the new ones. Each tick is a step, and rewards are summed. It is Python that keeps the pace: it
+// sends no more than one step for each tick.
 using System;
 using System.Diagnostics;
 
@@ -29,7 +30,7 @@ namespace NetMQExample
         /// <summary>From now on, as after a reset.</summary>
         public void Restart() => next = clock.Elapsed.TotalSeconds;
 
-        /// <summary>Whether one more step is due by now.</summary>
+        /// <summary>Whether one more tick is due by now.</summary>
         /// <param name="seconds">How long it takes.</param>
         /// <param name="but">All but so many seconds.</param>
         public bool IsDue(double seconds, double but = 0)
@@ -41,7 +42,7 @@ namespace NetMQExample
             return true;
         }
 
-        /// <summary>A step was done that was asked for.</summary>
+        /// <summary>A tick was done that was asked for.</summary>
         public void Pass(double seconds) => next += seconds;
     }
 }
