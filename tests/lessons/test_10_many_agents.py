@@ -1,48 +1,57 @@
-"""Lesson 10: areas as Gymnasium's vectors, agents as PettingZoo's, each with each simulator. Faults are in
-test_10_many_agents_faults.py.
+"""Lesson 10: many agents as Gymnasium's vectors and as PettingZoo's environments, with each simulator, the same to the
+last bit; and in which order a scene is asked. Faults are in test_10_many_agents_faults.py.
 """
 
 from __future__ import annotations
 
-import importlib
+import contextlib
 import inspect
 import sys
 import time
 import warnings
-from collections import OrderedDict
-from typing import ClassVar
 
 import pytest
 
 from tests.conftest import CLIENTS
+from tests.lessons.conftest import simulated
 from tests.programs import ROOT
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 10 needs gymnasium: kit.py run 10 installs it")
 np = pytest.importorskip("numpy", reason="lesson 10 needs numpy: kit.py run 10 installs it")
 pytest.importorskip("pettingzoo", reason="lesson 10 needs pettingzoo: kit.py run 10 installs it")
-from gymnasium import spaces  # noqa: E402
 from gymnasium.utils.env_checker import data_equivalence  # noqa: E402
+from gymnasium.vector import SyncVectorEnv  # noqa: E402
 from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test  # noqa: E402
-from pettingzoo.utils.conversions import parallel_to_aec  # noqa: E402
 
 KEY, AREAS = "10_many_agents", 4
 sys.path.append(str(ROOT / "python" / KEY))
-from netmq_example.envs import ZmqParallelEnv  # noqa: E402
+from players import drive, policy  # noqa: E402
+
+from netmq_example.envs import UnityAECEnv, UnityGymEnv, UnityParallelEnv, UnityVectorEnv  # noqa: E402
 from netmq_example.launch import game  # noqa: E402
 from netmq_example.messages import Message, MessageError  # noqa: E402
-from netmq_example.scene.agents import AgentSimulator  # noqa: E402
-from netmq_example.scene.areas import AreaSimulator  # noqa: E402
-from netmq_example.scene.simulation import AgentSimulation, InfoQueue, RealTime  # noqa: E402
+from netmq_example.scene import SceneSimulator  # noqa: E402
 from netmq_example.wire import trees  # noqa: E402
-from netmq_example.wire.records import ASKS, NOTHING, RESET, STEP, Record, seeds  # noqa: E402
-from netmq_example.wire.space_bytes import Bytes  # noqa: E402
-from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
+from netmq_example.wire.records import (  # noqa: E402
+    ANSWERS,
+    ASKS,
+    LAST,
+    NOTHING,
+    REAL_TIME,
+    RESET,
+    STEP,
+    TERMINATED,
+    Record,
+    Section,
+    read_frames,
+    rewards_in,
+    seeds,
+)
 from netmq_example.worlds.pursuit import Pursuit  # noqa: E402
-from netmq_example.worlds.road_car import RoadCar  # noqa: E402
+from tests.lessons.office import VALUES, office  # noqa: E402
 
-players = importlib.import_module("players")
-policy, drive = players.policy, players.drive
 each_client = pytest.mark.parametrize("kind", CLIENTS)
+MODES = ["NextStep", "SameStep", "Disabled"]
 
 
 @pytest.fixture
@@ -50,7 +59,7 @@ def areas(inside, make):
     """Areas of a simulator in this process."""
 
     def made(**more):
-        simulator = inside(AreaSimulator([CartPole() for _ in range(AREAS)]))
+        simulator = inside(simulated(count=AREAS))
         return make(gymnasium.make_vec, "NetMQExample/CartPole-v0", AREAS, socket=simulator.socket, **more)
 
     return made
@@ -59,7 +68,7 @@ def areas(inside, make):
 @pytest.fixture
 def pursuit(inside, make):
     """The game in this process."""
-    return lambda **more: make(ZmqParallelEnv, socket=inside(AgentSimulator(Pursuit())).socket, **more)
+    return lambda **more: make(UnityParallelEnv, "Pursuit", socket=inside(SceneSimulator(Pursuit())).socket, **more)
 
 
 @pytest.fixture(scope="module")
@@ -82,50 +91,306 @@ def csharp_areas(kept, launch):
 @pytest.fixture
 def played(kind, kept, launch):
     if kind not in kept:
-        kept[kind] = ZmqParallelEnv(launch=launch(kind, key=KEY), render_mode="rgb_array")
+        kept[kind] = UnityParallelEnv("Pursuit", launch=launch(kind, key=KEY), render_mode="rgb_array")
     return kept[kind]
 
 
-def steps(*numbers):
-    """A request in which so many step, each with the number of a discrete action."""
-    rows = [number.to_bytes(8, "little") for number in numbers]
-    return Record(ASKS, 0, bytes(8 * len(rows)), [STEP] * len(rows), rows)
+@pytest.fixture(params=["python", "csharp"])
+def at_work(request, inside, make):
+    """at_work(UnityParallelEnv, "ann ann bob:2", ann=3): an environment of tests/lessons/office.py, in each language;
+    its `asked` are the requests of a simulator in this process.
+    """
+
+    def made(kind, names, *words, most=(), **more):
+        if request.param == "python":
+            simulator = inside(SceneSimulator(office(names, **dict(most))))
+            env = make(kind, *words, env_name="Office", socket=simulator.socket, **more)
+            env.asked = simulator.asked
+            return env
+        command = ["dotnet", request.getfixturevalue("checks"), "office", names]
+        command.append(" ".join(f"{name} {count}" for name, count in dict(most).items()))
+        return make(kind, *words, env_name="Office", launch=command, **more)
+
+    return made
+
+
+def steps(*numbers, kind=0):
+    """A section in which so many step, each with the number of a discrete action."""
+    count = len(numbers)
+    return Section(kind, bytes(8 * count), bytes([STEP] * count), values=np.array(numbers, "<i8").tobytes())
+
+
+def asks(*sections, **more):
+    return Record(ASKS, 0, [*sections], **more)
 
 
 def resets(orders, options=b""):
-    return Record(ASKS, 0, seeds([1] * len(orders)), orders, [b""] * len(orders), options=options)
+    return asks(Section(0, seeds([1] * len(orders)), bytes(orders)), said=options)
 
 
 def info(value):
     return Message("info", 0, {}, [trees.array_of(trees.write(value))])
 
 
-# Areas
+# The same everywhere
+
+
+def without_lists(infos):
+    """What one agent's environment says of itself, and of its scene, is a list always; a vector's is there if it is not
+    empty.
+    """
+    assert all(one in ([], None) for name in ("env", "agent") if name in infos for one in infos[name])
+    finals = {"final_info": without_lists(infos["final_info"])} if "final_info" in infos else {}
+    return {**{name: infos[name] for name in infos if name.strip("_") not in ("env", "agent")}, **finals}
 
 
 def same(ours, theirs):
-    assert data_equivalence(ours[0], theirs[0]), "observations"
+    assert data_equivalence(ours[0], theirs[0], exact=True), "observations"
     for mine, other in zip(ours[1:-1], theirs[1:-1], strict=True):
         assert np.array_equal(mine, other) and mine.dtype == other.dtype
-    assert data_equivalence(ours[-1], theirs[-1]), f"{ours[-1]} {theirs[-1]}"
+    assert data_equivalence(ours[-1], theirs[-1], exact=True), f"{ours[-1]} {theirs[-1]}"
 
 
-def test_both_languages_drive_cars_alike(launch, inside, make):
-    """To the last bit, by actions that are no whole numbers; and one of them leaves its road."""
-    words = launch("csharp", "--world", "Car", "--areas", "3", key=KEY)
-    ours = inside(AreaSimulator([RoadCar() for _ in range(3)])).socket
-    wheres = {"launch": words}, {"socket": ours}
-    envs = [make(gymnasium.make_vec, "NetMQExample/Car-v0", 3, **where) for where in wheres]
-    seen = [each.reset(seed=5) for each in envs]
-    same(*seen)
-    ends = 0
-    for step in range(150):
-        action = np.array([[1, 1], *drive(seen[0][0])[1:]], np.float32)
-        action[2, 0] *= np.float32(0.1 * (step % 10))
-        seen = [each.step(action) for each in envs]
-        same(*seen)
-        ends += seen[0][2].sum()
-    assert ends and seen[0][-1]["metres"][1] > 1
+@pytest.mark.parametrize("mode", MODES)
+def test_one_environment_is_the_same_to_the_last_bit_wherever_it_is(mode, launch, inside, make):
+    """In this process and launched, in Python and in C#, and as Gymnasium has so many single ones. Cars leave the road,
+    and others' time is up.
+    """
+    words = "--world", "Car", "--areas", str(AREAS)
+    wheres = (
+        {"socket": inside(simulated("Car", AREAS)).socket},
+        *({"launch": launch(kind, *words, key=KEY)} for kind in ("python", "csharp")),
+    )
+    more = {"max_episode_steps": 110}
+    ours = [
+        make(gymnasium.make_vec, "NetMQExample/Car-v0", AREAS, autoreset_mode=mode, **more, **where) for where in wheres
+    ]
+
+    def single():
+        return gymnasium.make("NetMQExample/Car-v0", socket=inside(simulated("Car")).socket, **more)
+
+    singles = SyncVectorEnv([single] * AREAS, autoreset_mode=mode)
+    with contextlib.closing(singles):
+        assert [envs.metadata["autoreset_mode"] for envs in ours] == [singles.metadata["autoreset_mode"]] * 3
+
+        def all_alike(do):
+            *_, theirs = said = [do(envs) for envs in (*ours, singles)]
+            theirs = *theirs[:-1], without_lists(theirs[-1])
+            for each in said[:-1]:
+                same(each, theirs)
+            return said[0]
+
+        said = all_alike(lambda envs: envs.reset(seed=5))
+        ends = np.zeros(2, int)
+        for step in range(230):
+            action = np.array([[1, 1], [-1, 1], *drive(said[0])[2:]], np.float32)
+            action[2, 0] *= np.float32(0.1 * (step % 10))
+            said = all_alike(lambda envs: envs.step(action))  # noqa: B023, it is called at once.
+            ends += said[2].sum(), said[3].sum()
+            over = said[2] | said[3]
+            if mode == "Disabled" and over.any():
+                all_alike(lambda envs: envs.reset(options={"reset_mask": over.copy()}))  # noqa: B023
+        assert (ends > 3).all(), "both ways"
+        all_alike(lambda envs: envs.reset(seed=[7, 8, 9, 10]))
+        all_alike(lambda envs: envs.reset(seed=5, options={"state": [30.0]}))
+
+
+def test_agent_number_i_has_the_seed_and_i_in_every_class(at_work):
+    """Numbers go on from one kind to the next; the scene itself begins as agent 0."""
+    names = ["ann_0", "ann_1", "bob"]
+    alone = at_work(UnityGymEnv, "ann")
+    drawn = [alone.reset(seed=5 + number)[0]["drawn"][0] for number in range(3)]
+    assert alone.reset(seed=5)[0]["drawn"].tolist() == [drawn[0]] * 2
+    scene = "ann ann bob"
+    for kind in UnityParallelEnv, UnityAECEnv:
+        env = at_work(kind, scene)
+        seen = env.reset(seed=5) or [{name: env.observe(name) for name in names}]
+        assert [seen[0][name]["drawn"].tolist() for name in names] == [[one, drawn[0]] for one in drawn]
+    for number, name in enumerate(names):
+        one = at_work(UnityGymEnv, scene, agent_name=name)
+        assert one.reset(seed=5)[0]["drawn"][0] == drawn[number]
+    for kind, numbers in ("ann", [0, 1]), ("bob", [2]):
+        envs = at_work(UnityVectorEnv, scene, num_envs=len(numbers), agent_name=kind)
+        assert envs.reset(seed=5)[0]["drawn"][:, 0].tolist() == [drawn[number] for number in numbers]
+
+
+# In which order
+
+
+def done(env, answer):
+    """What was asked in the scene, in order."""
+    infos = answer[-1]
+    said = next(iter(infos.values()))["env"] if isinstance(env, UnityParallelEnv) else infos["env"][0]
+    return [*said]
+
+
+def of(names, what):
+    return [f"{name} {what}" for name in names.split()]
+
+
+def test_the_order_of_a_step(at_work):
+    env = at_work(UnityParallelEnv, "ann ann bob:2")
+    first = ["office begins", *of("ann_0 ann_1 bob", "begins"), *of("ann_0 ann_1 bob", "sees")]
+    assert done(env, env.reset(seed=1)) == first
+    answer = env.step({"ann_0": "earn 2", "ann_1": "end soon", "bob": "end late"})
+    # Whoever has ended is seen a last time, before the others are.
+    assert done(env, answer) == [
+        *("ann_0 does earn 2", "ann_1 does end soon", "bob does end late"),
+        *(*of("ann_0 ann_1 bob", "ticks"), "office ticks", "bob ticks", "office ticks"),
+        *(*of("ann_0 ann_1 bob", "stepped"), "office stepped"),
+        *of("ann_1 bob ann_0", "sees"),
+    ]
+    assert answer[1] == {"ann_0": 2.25, "ann_1": 0.25, "bob": 0.25}
+    assert answer[2] == {"ann_0": False, "ann_1": True, "bob": True}
+    # Who is over has no ticks, and is asked for nothing; nothing after an end belongs to a step.
+    assert env.agents == ["ann_0"]
+    answer = env.step({"ann_0": "end"})
+    assert done(env, answer) == ["ann_0 does end", "ann_0 stepped", "office stepped", "ann_0 sees"]
+    assert env.agents == [] and env.step({}) == ({}, {}, {}, {}, {}), "wrappers step once more"
+
+
+def test_a_new_episode_begins_in_the_same_exchange(at_work):
+    """SAME_STEP: with its last observation and its first one. The scene itself begins when all do."""
+    envs = at_work(UnityVectorEnv, "ann ann", num_envs=2, autoreset_mode="SameStep", max_episode_steps=3)
+    envs.reset(seed=1)
+    exchanges = [envs.step(actions) for actions in (("end", ""), ("", "end"), ("", ""), ("", ""))]
+    both, last = of("ann_0 ann_1", "stepped"), "office stepped"
+    assert [done(envs, each)[2:] for each in exchanges] == [
+        ["ann_1 ticks", "office ticks", *both, last, "ann_0 sees", "ann_0 begins", *of("ann_0 ann_1", "sees")],
+        ["ann_0 ticks", "office ticks", *both, last, "ann_1 sees", "ann_1 begins", *of("ann_0 ann_1", "sees")],
+        [*of("ann_0 ann_1", "ticks"), "office ticks", *both, last, *of("ann_0 ann_1", "sees")],
+        # The time of the first one is up, by Python's count.
+        [*of("ann_0 ann_1", "ticks"), "office ticks", *both, last, "ann_0 sees", "ann_0 begins"]
+        + of("ann_0 ann_1", "sees"),
+    ]
+    assert [each[2].tolist() for each in exchanges] == [[True, False], [False, True], [False] * 2, [False] * 2]
+    assert [each[3].tolist() for each in exchanges] == [[False] * 2] * 3 + [[True, False]]
+    ticks = [each[0]["ticks"][:, 0].tolist() for each in exchanges]
+    assert ticks == [[0, 1], [1, 0], [2, 1], [0, 2]] and exchanges[3][4]["final_obs"][0]["ticks"].tolist() == [3]
+    *_, infos = envs.step(("end", "end"))
+    assert done(envs, [infos])[-5:] == ["office begins", *of("ann_0 ann_1", "begins"), *of("ann_0 ann_1", "sees")]
+    if hasattr(envs, "asked"):
+        orders = [list(one.sections[0].marks) for one in envs.asked if isinstance(one, Record)]
+        assert orders == [[RESET] * 2, *[[STEP] * 2] * 3, [LAST, STEP], [STEP, LAST]], "each step is one exchange"
+
+
+def test_those_whom_nobody_asks_for_stand_still(at_work, caplog, capfd):
+    """And one line says so."""
+    env = at_work(UnityParallelEnv, "ann bob cat", observation_spaces={"bob": office("bob").agents[0].observation})
+    asked = done(env, env.reset(seed=1)) + done(env, env.step({"bob": ""})) + done(env, env.step({"bob": ""}))
+    assert {one.split()[0] for one in asked} == {"office", "bob"}
+    env.close()
+    said = caplog.text + "".join(capfd.readouterr())
+    assert said.count("ann, cat") == 1 and said.count("stand still") == 1
+
+
+# Who is there
+
+
+def test_agents_come_leave_and_come_back(at_work):
+    env = at_work(UnityParallelEnv, "ann bob", most={"ann": 3})
+    assert env.possible_agents == ["ann_0", "ann_1", "ann_2", "bob"]
+    env.reset(seed=5)
+    assert env.agents == ["ann_0", "bob"]
+    alone = at_work(UnityGymEnv, "ann")
+    seen, *_, infos = env.step({"ann_0": "hire ann", "bob": ""})
+    assert env.agents == ["ann_0", "ann_1", "bob"]
+    assert infos["bob"]["env"][-3:] == ["ann_0 sees", "ann_1 sees", "bob sees"]
+    # With the next free number, and the last seed and that number.
+    assert seen["ann_1"]["drawn"][0] == alone.reset(seed=6)[0]["drawn"][0] and seen["ann_1"]["ticks"] == [0]
+    before = env.step({"ann_0": "", "ann_1": "earn 3", "bob": ""})[0]["ann_1"]
+    seen, rewards, terminated, truncated, infos = env.step({"ann_0": "", "ann_1": "leave", "bob": ""})
+    assert env.agents == ["ann_0", "bob"] and data_equivalence(seen["ann_1"], before)
+    assert (rewards["ann_1"], terminated["ann_1"], truncated["ann_1"]) == (0, False, True)
+    assert infos["ann_1"]["lost"] == "it has left the scene" and "lost" not in infos["bob"]
+    # Another one gets the number that nobody has had; then the first one comes back to its own.
+    env.step({"ann_0": "hire ann", "bob": "recall"})
+    assert env.agents == ["ann_0", "ann_1", "ann_2", "bob"]
+    with pytest.raises(MessageError, match=r"^no-space: .*At Most in GymManager"):
+        env.step({**dict.fromkeys(env.agents, ""), "bob": "hire ann"})
+
+
+def test_in_a_vector_who_is_away_has_no_rewards_and_no_ends(at_work):
+    envs = at_work(UnityVectorEnv, "ann ann", num_envs=2)
+    envs.reset(seed=1)
+    envs.step(("", "earn 3"))
+    _, rewards, _, truncated, infos = envs.step(("", "leave"))
+    assert (rewards.tolist(), truncated.tolist()) == ([0.25, 0], [False, True])
+    assert infos["lost"].tolist() == [None, "it has left the scene"]
+    for _ in range(2):
+        seen, rewards, _, truncated, infos = envs.step(("", ""))
+        assert (rewards.tolist(), truncated.tolist(), seen["ticks"][1].tolist()) == ([0.25, 0], [False] * 2, [1])
+        assert infos["_lost"].tolist() == [False, True]
+    seen, _, _, truncated, infos = envs.step(("recall", ""))
+    assert (truncated.any(), seen["ticks"].tolist(), "lost" in infos) == (False, [[5], [0]], False)
+    assert envs.step(("", ""))[1].tolist() == [0.25, 0.25]
+
+
+@pytest.mark.parametrize(
+    ("names", "most", "called"),
+    [
+        ("ann", {}, "ann"),
+        ("ann", {"ann": 1}, "ann"),
+        ("ann", {"ann": 2}, "ann_0 ann_1"),
+        ("ann bob ann", {}, "ann_0 ann_1 bob"),
+        ("ann_3", {}, "ann_3"),
+        ("ann ann_1 ann", {}, "ann_0 ann_1 ann_2"),
+        ("ann_b bob_ ann_07", {}, "ann_b bob_ ann_07"),
+    ],
+)
+def test_what_agents_are_called(names, most, called, at_work):
+    env = at_work(UnityParallelEnv, names, most=most)
+    assert env.possible_agents == called.split()
+    env.reset(seed=1)
+    assert len(env.agents) == len(names.split())
+
+
+# Infos
+
+
+def test_each_info_is_what_was_sent(at_work):
+    """Where two differ in type or in shape an array has them as objects, and none becomes another one."""
+    envs = at_work(UnityVectorEnv, "ann ann", num_envs=2)
+    envs.reset(seed=1)
+    for words in (
+        "nothing part",
+        "false part",
+        "none one",
+        "one two",
+        "text list",
+        "dict part",
+        "part part",
+        "two two",
+    ):
+        first, second = words.split()
+        *_, infos = envs.step((f"say {first}", f"say {second}"))
+        for agent, word in enumerate((first, second)):
+            told = infos["value0"][agent]
+            assert data_equivalence(envs.infos[agent]["value0"], VALUES[word], exact=True), words
+            assert np.array_equal(told, VALUES[word]) or told == VALUES[word], words
+        assert infos["_value0"].all() and (infos["value0"].dtype == object) == (first != second)
+    *_, infos = envs.step(("say one part", ""))
+    assert infos["_value1"].tolist() == [True, False] and infos["value1"].tolist() == [0.75, 0]
+    assert set(envs.infos[0]) == {"env", "value0", "value1"} and set(envs.infos[1]) == {"env"}
+
+
+def test_infos_go_both_ways_and_too_many_are_counted(at_work):
+    env = at_work(UnityParallelEnv, "ann bob")
+    env.reset(seed=1)
+    nested = {"a": [1, {"b": "c"}], "d": [], "e": {"f": None}, "on": True, "at": 1.5}
+    env.send_info(nested)
+    env.send_info(nested, "bob")
+    env.send_info(7, "bob")
+    *_, infos = env.step({"ann": "shout", "bob": ""})
+    assert infos["bob"]["agent"] == [nested, 7] and infos["ann"]["env"][:3] == [nested, *of("bob bob", "hears")]
+    *kept, dropped = infos["ann"]["agent"]
+    assert dropped == {"dropped": 1000 - len(kept)} and 0 < len(kept) < 1000
+    assert [one["number"] for one in kept] == [*range(len(kept))], "the first ones, in their order"
+    *_, infos = env.step({"ann": "", "bob": ""})
+    assert "agent" not in infos["ann"] and "agent" not in infos["bob"], "once"
+
+
+# Areas
 
 
 @pytest.mark.parametrize("kind", ["python", "csharp"])
@@ -151,27 +416,53 @@ def test_areas_name_what_is_wrong_and_none_of_them_moves(csharp_areas, areas):
     orders = [RESET] * AREAS
     for envs in csharp_areas, areas():
         seen, _ = envs.reset(seed=1)
-        # To Gymnasium 1.1, numbers with a fraction are in a MultiDiscrete.
-        fractions = [] if np.zeros(AREAS) in envs.action_space else [np.zeros(AREAS)]
-        for actions in (np.array([0, 1, 2, 1]), np.array([0, 1]), *fractions):
+        for actions in np.array([0, 1]), np.full(AREAS, 0.5):
             with pytest.raises(ValueError, match=r"are not in MultiDiscrete\(\[2 2 2 2\]\)"):
                 envs.step(actions)
-        # And when they come all the same, the simulator refuses them.
+        # The side that says what a space is also says what is in it, before anybody moves.
+        with pytest.raises(ValueError, match=r"actions .*0, 1, 2, 1.* are not in MultiDiscrete\(\[2 2 2 2\]\)"):
+            envs.step(np.array([0, 1, 2, 1]))
         short = steps(1, 1, 1, 1)
-        short.rows[3] = short.rows[3][:4]
+        short.values = short.values[:16]
         for request, text in (
-            (steps(1, 1, 1, 2), r"not-in-space: .* is not in Discrete\(2\)"),
-            (short, r"not-in-space: 4 bytes are not in Discrete\(2\)"),
-            (steps(1, 1), r"wrong-areas: this simulator has 4 areas, not 2: make_vec\(…, num_envs=4\)"),
+            (asks(steps(1, 1, 1, 2)), r"not-in-space: .* is not in Discrete\(2\)"),
+            (asks(short), r"not-in-space: 4 bytes are not in Discrete\(2\)"),
+            (asks(steps(1, 1)), "wrong-agents: 2 rows, but there are 4 agents of agent"),
+            (asks(steps(1, 1, 1, 1, kind=1)), "wrong-agents: kind 1 "),
+            (asks(steps(1, 1, 1, 1), steps(1, 1, 1, 1)), "wrong-agents: kind 0 "),
+            (asks(bits=4), "wrong-clock: "),
             (resets(orders, b"x"), "bad-tree"),
             (resets(orders, trees.write([])), "bad-options: options are a dict"),
             (resets(orders, trees.write({"state": [1.0, 2.0]})), "bad-state: a state is 4 numbers, not 2"),
             (resets(orders, trees.write({"state": "here"})), "bad-state: a state is numbers"),
-            (Message("jump"), "unknown-kind: kind .?jump.? is none of reset, step, render, close"),
+            (Message("jump"), "unknown-kind: kind .?jump.? is none of reset, step, info, render, close"),
         ):
             with pytest.raises(MessageError, match=text):
-                envs.areas.ask(request)
-        assert np.array_equal(envs.areas.read(envs.areas.ask(resets([NOTHING] * AREAS)))[0], seen)
+                envs.simulators.ask(request)
+        nobody = envs.simulators.ask(resets([NOTHING] * AREAS)).sections[0]
+        assert (bytes(nobody.marks), len(nobody.values)) == (bytes(AREAS), 0)
+        # Had anybody moved, this were another place.
+        still = envs.step(np.ones(AREAS, int))[0]
+        envs.reset(seed=1)
+        assert np.array_equal(envs.step(np.ones(AREAS, int))[0], still) and not np.array_equal(still, seen)
+
+
+def test_an_action_that_rounding_took_out_of_its_space_is_in_it(launch, inside, make):
+    """By few steps of its dtype; and no further."""
+    words = launch("csharp", "--world", "Car", "--areas", "2", key=KEY)
+    for where in {"socket": inside(simulated("Car", 2)).socket}, {"launch": words}:
+        envs = make(gymnasium.make_vec, "NetMQExample/Car-v0", 2, **where)
+        most = np.ones((2, 2), np.float32)
+        envs.reset(seed=1)
+        seen = envs.step(most)[0]
+        envs.reset(seed=1)
+        near = most.copy()
+        near[1, 1] += 4 * np.spacing(np.float32(1))
+        assert near not in envs.action_space and np.array_equal(envs.step(near)[0], seen)
+        near[1, 1] += np.spacing(np.float32(1))
+        for wrong in near, most * np.nan, most * 2:
+            with pytest.raises(ValueError, match="are not in Box"):
+                envs.step(wrong)
 
 
 # Agents
@@ -191,26 +482,23 @@ def test_pettingzoos_tests_pass_without_a_warning(played, pursuit):
 
 @pytest.mark.parametrize(("kind", "seeds"), [("csharp", [9, 2]), ("unity", [9]), ("python", [9])])
 def test_a_game_is_the_same_everywhere(kind, seeds, played, pursuit):
-    """To the last bit: what is seen, rewards, ends and infos; agents end early and late, and infos go both ways. In the
-    first game both rabbits are caught, and the environment hears of it.
+    """To the last bit: what is seen, rewards, ends and infos; agents end early and late. In the first game both rabbits
+    are caught, and everybody hears of it.
     """
     envs = [pursuit(), played]
     early, survivors, told = set(), [], []
     for seed in seeds:
         states = [env.reset(seed=seed) for env in envs]
-        for env in envs:
-            assert env.send_info({"weather": "rain", "at": 1.5, "on": True, "n": 3}) == {}
-            assert env.send_info({"you": "run"}, "rabbit_0") == {}
         while envs[0].agents:
-            assert data_equivalence(*states)
+            assert data_equivalence(*states, exact=True)
             before = list(envs[0].agents)
             actions = {agent: policy(agent, states[0][0][agent]) for agent in before}
             states = [env.step(actions) for env in envs]
             assert envs[0].agents == envs[1].agents
             ended = set(before) - set(envs[0].agents)
             early |= ended if envs[0].agents else set()
-            told += states[1][4][before[0]].get("told", {}).get("env", [])
-        assert data_equivalence(*states)
+            told += states[1][4][before[0]].get("env", [])
+        assert data_equivalence(*states, exact=True)
         survivors.append(len(before))
     assert {info["caught"] for info in told[:2]} == {"rabbit_0", "rabbit_1"}
     assert {info["by"][:6] for info in told} == {"hunter"}
@@ -236,132 +524,37 @@ def test_an_agent_nobody_knows_and_an_action_outside_its_space(played):
     for wrong in ({**fine, "ghost": 0}, {"hunter_0": 0}):
         with pytest.raises(ValueError, match=r"actions \{'hunter_0'.*, but those that live are \['hunter_0', "):
             played.step(wrong)
-    with pytest.raises(ValueError, match=r"action 5 of rabbit_1 is not in Discrete\(5\)"):
+    with pytest.raises(ValueError, match=r"action 5 is not in Discrete\(5\), agent rabbit_1"):
         played.step({**fine, "rabbit_1": 5})
-    with pytest.raises(ValueError, match="agent 'ghost' is none of"):
+    with pytest.raises(ValueError, match="no agent is named 'ghost'; the scene has 5 agents named hunter_0, "):
         played.send_info({}, "ghost")
-    mixed = steps(0, 0, 0, 0, 0)
-    mixed.flags = bytes([RESET, STEP, STEP, STEP, STEP])
-    partly = steps(0, 0, 0, 0, 0)
-    partly.flags = bytes([STEP, STEP, NOTHING, STEP, STEP])
     for request, text in (
-        (steps(0, 0, 0, 0, 5), r"not-in-space: .* is not in Discrete\(5\)"),
-        (steps(0, 0, 0, 0), "wrong-agents: 4 rows, but there are 5 agents"),
-        (mixed, "wrong-agents"),
-        (partly, "wrong-agents"),
-        (resets([RESET] * 5, trees.write("rain")), "bad-options: options are a dict"),
+        (asks(steps(0, 0, 0), steps(0, 5, kind=1)), r"not-in-space: .* is not in Discrete\(5\)"),
+        (asks(steps(0, 0, 0), steps(0, kind=1)), "wrong-agents: 1 rows, but there are 2 agents of rabbit"),
+        (resets([RESET] * 3, trees.write("rain")), "bad-options: options are a dict"),
         (info(["ghost", {}]), "unknown-agent: .*ghost"),
         (info({"a": [1]}), "bad-info"),
         (info(["hunter_0"]), "bad-info"),
         (info([1, {}]), "bad-info"),
-        (info(["hunter_0", []]), "bad-info"),
         (Message("info"), "bad-info"),
-        (Message("jump"), "unknown-kind: kind .?jump.? is none of reset, step, info, render, close"),
     ):
         with pytest.raises(MessageError, match=text):
-            played.remote.ask(request)
+            played.simulators.ask(request)
     assert set(played.step(fine)[0]) == set(fine), "it goes on"
 
 
-class Post(AgentSimulation):
-    """Ann writes letters, and sees what she wrote and Bob's stamps. In C# it is tests/lessons/checks/Post.cs."""
-
-    name, dt = "Post", 0.5
-    says = spaces.Text(20, min_length=0)
-    stamped = spaces.Dict(OrderedDict(says=says, stamps=spaces.Sequence(spaces.Box(0, 9, (2,)))))
-    letter = spaces.Dict(OrderedDict(says=spaces.Text(5, min_length=0), times=spaces.Discrete(4)))
-    agents: ClassVar = {"ann": (stamped, letter), "bob": (says, spaces.Sequence(spaces.Discrete(5)))}
-
-    def reset(self, rng, options):
-        self.written, self.stamps, self.steps = options.get("says", ""), [], 0
-
-    def apply(self, actions):
-        self.steps += 1
-        self.stamps = list(map(int, actions["bob"]))
-        if "ann" in actions:
-            self.written = actions["ann"]["says"] * int(actions["ann"]["times"])
-            self.infos.send("bob", {"stamps": self.stamps, "letter": actions["ann"]})
-
-    def observe(self, agent):
-        stamps = tuple(np.array([stamp, stamp / 2], np.float32) for stamp in self.stamps)
-        return self.written if agent == "bob" else {"says": self.written, "stamps": stamps}
-
-    def reward_and_end(self, agent):
-        ends = {"terminated": agent == "ann" and self.steps == 4, "truncated": agent == "bob" and self.steps == 6}
-        return {"reward": len(self.stamps), "read": [self.written, len(self.stamps)], **ends}
-
-    def on_info(self, agent, info):
-        self.infos.send(agent, info)
-
-
-@pytest.fixture
-def post(inside, make):
-    return make(ZmqParallelEnv, "Post", socket=inside(AgentSimulator(Post())).socket)
-
-
-def test_a_game_of_texts_dicts_and_sequences(post):
-    """What is seen is what was done, also where one of two is over."""
-    assert post.reset(options={"says": "dear"})[0] == {"ann": {"says": "dear", "stamps": ()}, "bob": "dear"}
-    letters = [("ah", 3, (4, 1)), ("", 2, ()), ("x", 0, (0,)), ("oh", 1, (2, 2))]
-    for step, (says, times, stamps) in enumerate(letters, 1):
-        actions = {"ann": {"says": says, "times": times}, "bob": stamps}
-        seen, rewards, terminated, _, infos = post.step(actions)
-        assert seen["bob"] == seen["ann"]["says"] == says * times
-        np.testing.assert_equal(seen["ann"]["stamps"], tuple(np.array([one, one / 2], np.float32) for one in stamps))
-        assert rewards == dict.fromkeys(("ann", "bob"), len(stamps)) and terminated["ann"] == (step == 4)
-        told = {"bob": [{"stamps": list(stamps), "letter": actions["ann"]}]}
-        assert infos["ann"] == {"read": [says * times, len(stamps)], "told": told}
-    for _ in range(2):
-        seen, *_ = post.step({"bob": (3,)})
-        assert seen == {"bob": "oh"}
-    assert post.agents == []
-    assert post.step({}) == ({}, {}, {}, {}, {}), "wrappers step once more"
-    nested = {"a": [1, {"b": "c"}], "d": [], "e": {"f": None}}
-    assert post.send_info(nested, "bob") == {"bob": [nested]}
-
-
-def test_a_game_of_texts_dicts_and_sequences_is_the_same_in_both_languages(post, make, checks):
-    envs = [post, make(ZmqParallelEnv, "Post", launch=["dotnet", checks, "game"])]
-    for name in envs[0].possible_agents:
-        assert envs[0].observation_space(name) == envs[1].observation_space(name)
-        assert envs[0].action_space(name) == envs[1].action_space(name)
-        envs[0].action_space(name).seed(3)
-    for episode in range(3):
-        assert data_equivalence(*(env.reset(seed=episode, options={"says": "dear"}) for env in envs))
-        while envs[0].agents:
-            actions = {name: envs[0].action_space(name).sample() for name in envs[0].agents}
-            assert data_equivalence(*(env.step(actions) for env in envs))
-            assert envs[0].agents == envs[1].agents
-    letter = Bytes(Post.letter).write({"says": "", "times": 1})
-    for env in envs:
-        env.reset(seed=1)
-        for wrong in (b"\1", (1).to_bytes(4, "little") + b"\xff" * 8, (2**30).to_bytes(4, "little")):
-            with pytest.raises(MessageError, match="not-in-space"):
-                env.remote.ask(Record(ASKS, 0, bytes(16), [STEP] * 2, [letter, wrong]))
-        with pytest.raises(MessageError, match=r"not-in-space: \['says'\]: 'é' is not in Text"):
-            env.reset(options={"says": "é"})
-
-
-# Infos
-
-
-def test_before_the_first_reset_nobody_lives():
-    wrong = steps(0, 0, 0, 0, 0)
-    wrong.id = 1
-    error = Message.read(AgentSimulator(Pursuit()).answer(wrong)).values
-    assert error["code"] == "wrong-agents" and error["text"].endswith("but those that live are []")
-
-
-def test_the_queue_of_infos_is_bounded_and_says_so():
-    queue = InfoQueue()
-    for number in range(1000):
-        queue.send("hunter_0", {"number": number, "text": 'é"' * 20})
-    kept = trees.read(queue.take())
-    assert kept[-1] == ["", {"dropped": 1000 - len(kept) + 1}]
-    assert [said["number"] for _, said in kept[:-1]] == list(range(len(kept) - 1)), "the first ones, in their order"
-    assert queue.take() == b""
-    with pytest.raises(MessageError, match="set has no place in a message"):
-        queue.send("", {"many": {1}})
+@pytest.mark.parametrize("order", [STEP, LAST])
+def test_before_the_first_reset_nobody_lives(order, csharp_areas, areas):
+    """A simulator steps nobody whose episode is over, or has not begun."""
+    ours = areas()
+    for envs in csharp_areas, ours:
+        stepped = steps(1, 1, 1, 1)
+        stepped.marks = bytes([order] * AREAS)
+        if envs is csharp_areas:
+            envs.reset(options={"state": [2.4, 9.0, 0.0, 0.0]})
+            assert envs.step(np.ones(AREAS, int))[2].all()
+        with pytest.raises(MessageError, match="^wrong-agents: agent_0 is over, or has not begun: reset comes first"):
+            envs.simulators.ask(asks(stepped))
 
 
 # Real time
@@ -402,51 +595,50 @@ def test_else_it_stands_still(played):
         assert ticks == 1
 
 
+class Clocked:
+    """A simulator of the game whose clock is set by hand."""
+
+    def __init__(self):
+        self.now, self.world, self.id = 0.0, Pursuit(), 0
+        self.simulator = SceneSimulator(self.world, lambda: self.now)
+        # No rabbit is near a hunter.
+        self.ask(Section(0, seeds([10] * 3), bytes([RESET] * 3)), Section(1, seeds([13] * 2), bytes([RESET] * 2)))
+        self.ticks, tick = [], self.world.on_tick
+        self.world.on_tick = lambda dt: (self.ticks.append(self.world.players[0].way), tick(dt))
+
+    def ask(self, *sections):
+        self.id += 1
+        record = Record(ASKS, self.id, [*sections], REAL_TIME)
+        return read_frames(ANSWERS, self.simulator.answer(record)).sections
+
+    def step(self, now, way):
+        """The rewards, and the marks, of the hunters."""
+        self.now = now
+        hunters, _ = self.ask(steps(way, way, way), steps(0, 0, kind=1))
+        return rewards_in(hunters), bytes(hunters.marks)
+
+
 def test_what_the_clock_has_seen_is_made_up_for():
-    """With the actions from before, and those of a step only in the tick that is due."""
-
-    class Counted(Pursuit):
-        def apply(self, actions):
-            ticks.append(actions)
-            super().apply(actions)
-
-    ticks, now, inner = [], [0.0], Counted()
-    shell = RealTime(inner, lambda: now[0])
-    shell.reset(iter([0.5] * 10), {"real_time": True})
-    left, right = dict.fromkeys(shell.agents, 1), dict.fromkeys(shell.agents, 2)
-    inner.place = {name: (0.0, -1.0 if name.startswith("hunter") else 1.0) for name in inner.place}
-    now[0] = 0.105
-    shell.apply(left)
-    assert ticks == [left]
-    assert (inner.place["hunter_0"][0], shell.reward_and_end("hunter_0")["reward"]) == pytest.approx((-0.05, -0.01))
-    now[0] = 0.505
-    shell.apply(right)
-    assert ticks == [left, left, left, left, right]
-    assert inner.place["hunter_0"][0] == pytest.approx(-0.05 * 4 + 0.05)
-    assert shell.reward_and_end("hunter_0")["reward"] == pytest.approx(-0.04)
-    now[0] = 1000
-    shell.catch_up(now[0])
-    assert shell.reward_and_end("hunter_0")["terminated"] and inner.energy["hunter_0"] == 0, "and not after the end"
+    """With the actions from before, and those of a step only in the tick that is due. It is ten seconds at most."""
+    game = Clocked()
+    assert game.step(0.105, 1)[0] == pytest.approx([-0.01] * 3) and game.ticks == [1]
+    assert game.step(0.505, 2)[0] == pytest.approx([-0.04] * 3) and game.ticks == [1, 1, 1, 1, 2]
+    for player in game.world.players:
+        player.energy, player.x, player.y = 2.0, 0.0, 1.0 if player.kind == "hunter" else -1.0
+    game.step(0.605, 0)
+    del game.ticks[:]
+    assert game.step(1000, 2)[0] == pytest.approx([-1.01] * 3) and game.ticks == [0] * 100 + [2]
 
 
-def test_on_the_clock_whoever_is_over_is_judged_no_more():
-    """By one of the two ways; what is outcomes once stands until it is asked for."""
-
-    class Ends(Pursuit):
-        def reward_and_end(self, agent):
-            outcomes.append(agent)
-            ends = "terminated" if agent == "hunter_0" else "truncated" if agent == "hunter_1" else ""
-            return {"reward": 1.0, "terminated": ends == "terminated", "truncated": ends == "truncated"}
-
-    outcomes, now = [], [0.0]
-    shell = RealTime(Ends(), lambda: now[0])
-    shell.reset(iter([0.5] * 10), {"real_time": True})
-    shell.apply(dict.fromkeys(shell.agents, 0))
-    now[0] = 0.305
-    shell.catch_up(now[0])
-    assert (outcomes.count("hunter_0"), outcomes.count("hunter_1")) == (1, 1)
-    others = [agent for agent in shell.agents if outcomes.count(agent) != 1]
-    assert others and all(outcomes.count(agent) == 3 for agent in others), outcomes
+def test_on_the_clock_whoever_is_over_has_no_more_ticks():
+    """Until the next exchange; what became of it stands until it is asked for."""
+    game = Clocked()
+    hunter, other, _, *rabbits = game.world.players
+    game.step(0.105, 1)
+    hunter.energy = 0.05
+    _, marks = game.step(0.505, 1)
+    assert marks[0] & TERMINATED and not marks[1] & TERMINATED and hunter.energy == 0
+    assert other.energy == pytest.approx(1 - 5 * 0.03) and not any(rabbit.terminated for rabbit in rabbits)
 
 
 # The game by its path

@@ -112,9 +112,9 @@ class Actions:
     def refused(self, space: Space[Any], action: Any, error: Exception | None = None) -> Exception:
         if isinstance(error, MessageError) and action in space:
             return error
-        word = "actions" if space is not self.space else "action"
-        verb = "are" if space is not self.space else "is"
-        return ValueError(f"{word} {shown(action)} {verb} not in {shown(space)}")
+        # One agent's own space is a copy.
+        words = "action {} is" if space == self.space else "actions {} are"
+        return ValueError(f"{words.format(shown(action))} not in {shown(space)}")
 
     def asked(self, ask: Callable[[Any], Any], space: Space[Any], action: Any) -> Any:
         """`ask(action)`, and once more if the simulator refuses what rounding alone has taken out of the space."""
