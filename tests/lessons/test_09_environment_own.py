@@ -21,16 +21,15 @@ np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: kit.py run 9 in
 
 KEY = "09_environment"
 LESSON = ROOT / "python" / KEY
-from netmq_example.envs import ZmqEnv  # noqa: E402
+from netmq_example.envs import UnityGymEnv  # noqa: E402
 from netmq_example.envs.connection import Connection, Simulators, name_of  # noqa: E402
-from netmq_example.messages import Message  # noqa: E402
-from netmq_example.scene.simulator import EnvironmentClient, Simulator  # noqa: E402
+from netmq_example.scene import EnvironmentClient, Scene, SceneSimulator  # noqa: E402
 from netmq_example.wire import trees  # noqa: E402
-from netmq_example.wire.records import ANSWERS, ASKS, STEP, Record, read_frames, rewards, seeds  # noqa: E402
+from netmq_example.wire.records import Record, seeds  # noqa: E402
 from netmq_example.wire.split_mix import draws  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 from netmq_example.worlds.cross_entropy import play, train  # noqa: E402
-from netmq_example.worlds.road_car import RoadCar  # noqa: E402
+from tests.lessons.conftest import simulated  # noqa: E402
 
 CLIENT = [str(PYTHON), str(LESSON / "client.py"), "--timeout", "30"]
 posix = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals")
@@ -41,7 +40,7 @@ posix = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signa
 ENDLESS: list[object] = []
 ENDLESS.append(ENDLESS)
 REFUSED = {
-    "seed": ({"seed": 2**63}, "seed 9223372036854775808 cannot be sent: .*2\\*\\*63"),
+    "seed": ({"seed": 2**63}, r"a seed is a whole number from 0 to 2\*\*53 - 1, not 9223372036854775808"),
     "large": ({"options": {"low": 10**20}}, "option 'low' cannot be sent: .*too large for an int64"),
     "long": ({"options": {"t": "x" * 2**24}}, "options of 167772.. bytes cannot be sent: at most 16777216"),
     "half": ({"options": {"t": "\ud800"}}, "option 't' cannot be sent: it is no text"),
@@ -58,17 +57,17 @@ SENT = {"none": None, "list": [1, 2.5, True], "float32": np.float32(0.5), "long"
 
 
 def test_what_no_simulator_could_read_is_refused_by_name_before_it_is_sent(inside, make):
-    simulator = inside(Simulator(CartPole()))
+    simulator = inside(simulated())
     env = make(socket=simulator.socket, disable_env_checker=True)
     for words, text in REFUSED.values():
         with pytest.raises(ValueError, match=f"^{text}"):
             env.reset(**words)
     assert asked(simulator) == []
-    env.reset(seed=2**63 - 1, options={**SENT, "array": np.arange(6.0).reshape(2, 3)})
+    env.reset(seed=2**53 - 1, options={**SENT, "array": np.arange(6.0).reshape(2, 3)})
     (request,) = [one for one in simulator.asked if isinstance(one, Record)]
-    options = trees.read(request.options)
+    options = trees.read(request.said)
     assert options.pop("array").tolist() == [[0, 1, 2], [3, 4, 5]]
-    assert options == SENT and request.numbers == seeds([2**63 - 1])
+    assert options == SENT and request.sections[0].numbers == seeds([2**53 - 1])
 
 
 def asked(simulator):
@@ -76,7 +75,7 @@ def asked(simulator):
 
 
 def test_an_action_outside_its_space_is_named_in_one_line(inside, make):
-    simulator = inside(Simulator(CartPole()))
+    simulator = inside(simulated())
     env = make(socket=simulator.socket, disable_env_checker=True)
     with pytest.raises(gymnasium.error.ResetNeeded):
         env.unwrapped.step(1)
@@ -84,9 +83,10 @@ def test_an_action_outside_its_space_is_named_in_one_line(inside, make):
     for action in (2, -1, 0.5, "left", np.array([1])):
         with pytest.raises(ValueError, match=r"^action .* is not in Discrete\(2\)$"):
             env.step(action)
-    assert env.step(np.int64(1))[4] == {}
-    assert asked(simulator) == ["reset", "step"]
-    env = make("NetMQExample/Car-v0", socket=inside(Simulator(RoadCar())).socket, disable_env_checker=True)
+    assert env.step(np.int64(1))[4] == {"env": [], "agent": []}
+    # What is numbers of its dtype, the simulator refuses, before anything moves.
+    assert asked(simulator)[-1] == "step" and simulator.simulator.steps == 1
+    env = make("NetMQExample/Car-v0", socket=inside(simulated("Car")).socket, disable_env_checker=True)
     env.reset()
     for action, named in (np.zeros(2), "float64 array"), (np.zeros((9, 9), np.float32), "float32 array"):
         with pytest.raises(ValueError, match=rf"^action {named}\(.* is not in Box\(-1.0, 1.0, \(2,\), float32\)$"):
@@ -172,14 +172,12 @@ WRONG = [
     (Simulators, "socket", (0, "", NOWHERE), {}),
     (Connection, "timeout", NO_SECONDS, {"socket": None}),
     (Connection, "socket", (None, 0, ""), {"timeout": 1}),
-    (ZmqEnv, "name", (0, -1, None, NAN, ""), {}),
-    (ZmqEnv, "render_mode", (0, -1, NAN, "", "human"), {"name": "Ball"}),
-    (Simulator, "simulation", (0, None, "", CartPole), {}),
+    (SceneSimulator, "scene", (0, None, "", CartPole(), [CartPole()]), {}),
     (EnvironmentClient, "endpoint", (0, None, NAN, "", "tcp://a:0"), {"timeout": 1}),
     (EnvironmentClient, "timeout", NO_SECONDS, {"endpoint": NOWHERE}),
     (EnvironmentClient, "prepare", (0, ""), {"endpoint": NOWHERE, "timeout": 1}),
     (EnvironmentClient(NOWHERE, timeout=1).run, "simulator", (None, CartPole()), {}),
-    (EnvironmentClient(NOWHERE, timeout=1).run, "count", NO_COUNT, {"simulator": Simulator(CartPole())}),
+    (EnvironmentClient(NOWHERE, timeout=1).run, "count", NO_COUNT, {"simulator": simulated()}),
     (draws, "seed", (None, NAN, "", "7", 0.5, 2**64), {}),
     (train, "play_all", (None, 0, ""), {"seed": 1, "generations": 1}),
     (train, "seed", NO_COUNT, {"play_all": len, "generations": 1}),
@@ -207,74 +205,15 @@ def test_chance_is_splitmix64_as_everybody_has_it():
 
 def test_a_space_that_nobody_plays_by_hand_does_not_end_the_server(serve, run):
     server, endpoint = serve(KEY)
-    box = ["box", "float32", np.zeros(4, np.float32), np.ones(4, np.float32)]
-    data = trees.write({"observation": box, "action": box})
-    said = Message("hello", 0, {"name": "CartPole", "dt": 0.02}, [trees.array_of(data)])
+    odd = CartPole()
+    odd.action = gymnasium.spaces.Discrete(3)
     with zmq.Context() as context, context.socket(zmq.DEALER) as socket:
         socket.linger = 0
         socket.connect(endpoint)
-        socket.send_multipart(said.frames())
+        socket.send_multipart(SceneSimulator(Scene("CartPole", [odd])).hello().frames())
         server.wait_for("^trouble: no policy")
     assert run("python", KEY, "--endpoint", endpoint, "--count", "1").code == 0
     assert "Traceback" not in server.output
-
-
-def step(id, action):
-    return Record(ASKS, id, bytes(8), [STEP], [np.int64(action).tobytes()])
-
-
-def test_a_judge_may_count_in_whole_numbers_and_in_numpys():
-    class Mine(CartPole):
-        dt = 1
-
-        def reward_and_end(self):
-            return {"reward": 1, "terminated": np.bool_(False), "truncated": 0}
-
-    simulator = Simulator(Mine())
-    assert type(simulator.hello().values["dt"]) is float
-    answer = read_frames(ANSWERS, simulator.answer(step(1, 1)))
-    assert (answer.numbers, answer.flags) == (rewards([1.0]), b"\0")
-
-
-@pytest.mark.parametrize(
-    ("outcomes", "text"),
-    [
-        ({"reward": ONE}, "bad-reward: the reward of CartPole is OldArray([2.]), which is no number"),
-        ({"reward": None}, "bad-reward: the reward of CartPole is None, which is no number"),
-        ({"reward": NAN}, "bad-reward: the reward of CartPole is nan"),
-        ({"seen": {1, 2}}, "bad-tree: info 'seen' cannot be sent: set has no place in a message"),
-    ],
-)
-def test_what_a_judge_cannot_say_is_named(outcomes, text):
-    class Mine(CartPole):
-        def reward_and_end(self):
-            return outcomes
-
-    answer = read_frames(ANSWERS, Simulator(Mine()).answer(step(1, 1)))
-    assert f"{answer.values['code']}: {answer.values['text']}" == text
-
-
-def test_a_time_that_is_none_is_named():
-    class Mine(CartPole):
-        dt = "0.02"
-
-    with pytest.raises(ValueError, match=r"^dt takes a number from 0 to inf, not '0.02'$"):
-        Simulator(Mine()).hello()
-
-
-def test_a_mistake_in_a_simulation_is_told_in_one_line_and_it_goes_on(caplog):
-    class Mine(CartPole):
-        def apply(self, action):
-            return 1 / int(action)
-
-    simulator = Simulator(Mine())
-    answers = [read_frames(ANSWERS, simulator.answer(step(id, action))) for id, action in enumerate((0, 1), 1)]
-    assert [answer.kind for answer in answers] == ["error", ANSWERS]
-    assert answers[0].values["code"] == "error-in-simulation"
-    assert re.fullmatch(r"ZeroDivisionError\('.*'\)", answers[0].values["text"])
-    said = caplog.text
-    assert "return 1 / int(action)" in said and said.count("Traceback") == 1, "its author sees where it is"
-    assert simulator.steps == 1
 
 
 def test_simulators_are_launched_by_words_or_by_a_path(tmp_path):
@@ -293,13 +232,13 @@ def test_a_script_that_cannot_be_launched_is_named_with_its_cure(tmp_path):
     script.write_text("print(1)\n", encoding="utf-8")
     words = r"^launch cannot start \S+ball\.py: .+; a script needs its program: launch=\[sys\.executable, 'ball\.py'\]$"
     with pytest.raises(OSError, match=words):
-        ZmqEnv("Ball", launch=str(script))
+        UnityGymEnv("Ball", launch=str(script))
 
 
 def test_a_word_that_an_environment_does_not_know_is_named():
     with pytest.raises(
-        TypeError, match=r"^an environment takes no lunch; where its simulator is, say endpoint, launch,"
+        TypeError, match=r"^an environment got an unexpected keyword argument 'lunch'; where its simulator is, say endp"
     ):
-        ZmqEnv("Ball", lunch=["ball"])
-    with pytest.raises(TypeError, match=r"^an environment takes no update_seconds, agent_names; leave it out; several"):
-        ZmqEnv("Ball", update_seconds=0.1, agent_names=["ball"])
+        UnityGymEnv("Ball", lunch=["ball"])
+    with pytest.raises(TypeError, match=r"^an environment got .* 'update_seconds'; leave it out"):
+        UnityGymEnv("Ball", update_seconds=0.1, agent_names=["ball"])

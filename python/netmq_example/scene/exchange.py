@@ -204,7 +204,7 @@ class Exchange:
             who=struct.pack(f"<{len(ended)}I", *ended),
         )
         with_infos(section, {at: info for at, (_, info) in enumerate(taken) if info})
-        return with_rows(section, rows, not kind.in_code)
+        return with_rows(section, rows, kind.located)
 
     def begin(self) -> int:
         """New episodes, and how many: of those that are told to, with the bit also of those that have ended, and of
@@ -314,7 +314,7 @@ class Exchange:
             each = iter(rows)
             rows = [one.last[row] if row in one.last else next(each) for row, mark in enumerate(marks) if mark & SEEN]
         section = with_infos(Section(kind.number, rewards(numbers), bytes(marks)), infos)
-        return with_rows(section, rows, not kind.in_code)
+        return with_rows(section, rows, kind.located)
 
 
 def ends(agent: Agent) -> int:

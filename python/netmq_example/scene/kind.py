@@ -31,6 +31,8 @@ class Kind:
         self.action = None if model.action is None else Bytes(model.action)
         self.observation = None if model.observation is None else Bytes(model.observation)
         self.in_code = type(model).observe is not Agent.observe
+        # Then what is seen comes as locators and values.
+        self.located = not self.in_code or self.observation is None
         count = len(names)
         # Who is there, and who was there last; whose episode goes on, and who has come and not begun.
         self.present: list[Agent | None] = [None] * count
@@ -49,7 +51,7 @@ class Kind:
             "period": self.period,
             "observation": spaces[0],
             "action": spaces[1],
-            "located": not self.in_code or self.observation is None,
+            "located": self.located,
             "sensors": [],
             "branches": None,
             "groups": False,
@@ -142,9 +144,9 @@ def fitting(codec: Numbers, value: Any) -> Any:
     return items
 
 
-def with_rows(section: Section, rows: list[bytes], trees_of_pairs: bool) -> Section:
+def with_rows(section: Section, rows: list[bytes], located: bool) -> Section:
     """The same section with these rows. Locators with values have one form as a rule, which then stands there once."""
-    if not trees_of_pairs or not rows:
+    if not located or not rows:
         return with_sizes(section, rows)
     end = trees.SIZE.size + trees.SIZE.unpack_from(rows[0])[0]
     size = len(rows[0])

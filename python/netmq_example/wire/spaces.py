@@ -163,7 +163,10 @@ class Numbers(Codec):
         if self.size == 8 and type(value) in WHOLE and self.single:
             parts.append(trees.INT64.pack(value))
         else:
-            parts.append(self.exact(value).reshape(self.shape).tobytes())
+            items = self.exact(value)
+            if items.shape != self.shape:
+                raise misfit(items, self.space)
+            parts.append(items.tobytes())
 
     def read(self, view: memoryview, at: int) -> tuple[Any, int]:
         if at + self.size > len(view):

@@ -1,0 +1,532 @@
+"""Lesson 10, a scene in Python: the order of a step, seeds, names, ends, infos, real time, and what cannot be."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import pytest
+
+np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: kit.py run 9 installs it")
+pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
+from gymnasium.spaces import Box, Dict, Discrete, Text  # noqa: E402
+
+from netmq_example.messages import Message  # noqa: E402
+from netmq_example.scene import Agent, Obs, Scene, SceneSimulator  # noqa: E402
+from netmq_example.wire import trees  # noqa: E402
+from netmq_example.wire.records import (  # noqa: E402
+    ANSWERS,
+    ASKS,
+    AUTORESET,
+    ENDED,
+    FORM,
+    LAST,
+    NEW,
+    NOTHING,
+    REAL_TIME,
+    RESET,
+    SEEN,
+    SIZES,
+    STEP,
+    TERMINATED,
+    TRUNCATED,
+    Record,
+    Section,
+    read_frames,
+    rewards_in,
+    seeds,
+    with_sizes,
+)
+from netmq_example.wire.split_mix import draws  # noqa: E402
+
+
+class Asks:
+    """Asks a simulator as an environment does: reset and step of all agents, or of those whose orders are given."""
+
+    def __init__(self, simulator):
+        self.simulator = simulator
+        self.hello = simulator.hello()
+        self.kinds = trees.read(self.hello.arrays[0].data)["kinds"]
+        self.id = 0
+
+    def ask(self, sections, bits=0, **options):
+        self.id += 1
+        said = trees.write(options) if options else b""
+        frames = self.simulator.answer(Record(ASKS, self.id, sections, bits, said))
+        answer = read_frames(ANSWERS, frames)
+        return f"{answer.values['code']}: {answer.values['text']}" if answer.kind == "error" else answer
+
+    def section(self, orders, action=0, kind=0, seed=1):
+        """Its agents' actions are all the same."""
+        rows = [np.int64(action).tobytes()] * sum(order in (STEP, LAST) for order in orders)
+        return with_sizes(Section(kind, seeds(range(seed, seed + len(orders))), bytes(orders)), rows)
+
+    def all(self, order, bits=0, action=0, seed=1, **options):
+        first = np.cumsum([0] + [len(kind["agents"]) for kind in self.kinds])
+        sections = [
+            self.section([order] * len(kind["agents"]), action, at, seed + int(first[at]))
+            for at, kind in enumerate(self.kinds)
+        ]
+        return self.ask(sections, bits, **options)
+
+    def say(self, *pair):
+        self.id += 1
+        arrays = [trees.array_of(trees.write(list(pair)))] if pair else []
+        answer = self.simulator.answer(Message("info" if pair else "render", self.id, {}, arrays))
+        return Message.read(answer)
+
+
+class Fish(Agent):
+    """It writes down whatever is called, and ends after so many steps."""
+
+    observation, action = Box(-100, 100, (2,), np.float32), Discrete(9)
+    calls: Any = None
+    lives = 100
+
+    def call(self, what):
+        if self.calls is not None:
+            self.calls.append(f"{self.name} {what}")
+
+    def on_reset(self):
+        self.call("reset")
+        self.place, self.ticks, self.steps = 100 * self.rng(), 0, 0
+
+    def on_action(self, action):
+        self.call(f"does {action}")
+
+    def on_tick(self, dt):
+        self.call("ticks")
+        self.ticks += 1
+
+    def on_stepped(self):
+        self.call("stepped")
+        self.steps += 1
+        self.reward += 1
+        self.terminated = self.steps == self.lives
+
+    def observe(self):
+        self.call("seen")
+        return np.array([self.place, self.ticks], np.float32)
+
+
+class Sea(Scene):
+    calls: Any = None
+
+    def call(self, what):
+        if self.calls is not None:
+            self.calls.append(f"sea {what}")
+
+    def on_reset(self, rng, options):
+        self.call(f"reset {rng():.4f} {options}")
+
+    def on_tick(self, dt):
+        self.call("ticks")
+
+    def on_stepped(self):
+        self.call("stepped")
+
+
+def fish(*names, **more):
+    made = [Fish(name) for name in names]
+    for one in made:
+        vars(one).update(more)
+    return made
+
+
+def seen(answer, at=0):
+    """What those with the mark see."""
+    return np.frombuffer(answer.sections[at].values, np.float32).reshape(-1, 2).tolist()
+
+
+# The order
+
+
+def test_a_step_is_done_in_the_order_that_its_module_says():
+    """With three ticks a step of one kind, one tick of the other."""
+    calls: list[str] = []
+    sea = Sea("Sea", [*fish("cod", "cod", calls=calls), *fish("whale", calls=calls, period=3)], 0.1)
+    sea.calls = calls
+    asks = Asks(SceneSimulator(sea))
+    asks.all(RESET, seed=7, depth=3)
+    assert calls[:4] == [f"sea reset {next(draws(7)):.4f} {{'depth': 3}}", "cod_0 reset", "cod_1 reset", "whale reset"]
+    assert calls[4:] == ["cod_0 seen", "cod_1 seen", "whale seen"]
+    calls.clear()
+    asks.all(STEP, action=2)
+    names = "cod_0", "cod_1", "whale"
+    assert calls[:3] == [f"{name} does 2" for name in names]
+    assert calls[3:11] == [*(f"{name} ticks" for name in names), "sea ticks", *["whale ticks", "sea ticks"] * 2]
+    assert calls[11:] == [*(f"{name} stepped" for name in names), "sea stepped", *(f"{name} seen" for name in names)]
+    calls.clear()
+    asks.all(NOTHING)
+    assert calls == [], "no step, no tick"
+    asks.ask([asks.section([STEP, RESET], seed=4)])
+    assert "cod_1 does 0" not in calls and calls.index("sea stepped") < calls.index("cod_1 reset") < calls.index(
+        "cod_0 seen"
+    )
+    assert not any(call.startswith(("whale", "sea reset")) for call in calls), "who is not asked, stands still"
+
+
+@pytest.mark.parametrize("autoreset", [False, True])
+def test_who_ends_is_seen_a_last_time_and_may_begin_anew_at_once(autoreset):
+    calls: list[str] = []
+    one, other, third = fish("cod", "cod", "cod")
+    one.lives, one.calls = 2, calls
+    one.info = {}
+    asks = Asks(SceneSimulator(Sea("Sea", [one, other, third], 0.1)))
+    begun = asks.all(RESET, seed=1)
+    assert begun.sections[0].marks == bytes([SEEN] * 3)
+    bits = AUTORESET if autoreset else 0
+    asks.all(STEP, bits)
+    calls.clear()
+    answer = asks.ask([asks.section([STEP, STEP, LAST], seed=50)], bits, depth=1)
+    now = answer.sections[0]
+    if not autoreset:
+        assert now.marks == bytes([SEEN | TERMINATED, SEEN, SEEN | TRUNCATED]) and rewards_in(now) == (1, 1, 1)
+        assert calls.count("cod_0 seen") == 1 and len(answer.sections) == 1
+        assert asks.all(STEP) == "wrong-agents: cod_0 is over, or has not begun: reset comes first"
+        return
+    assert calls[-3:] == ["cod_0 seen", "cod_0 reset", "cod_0 seen"]
+    assert now.marks == bytes([SEEN | NEW, SEEN, SEEN | NEW]) and rewards_in(now) == (0, 1, 0)
+    assert seen(answer)[0] == pytest.approx([100 * next(draws(50)), 0]), "by the seed that came with it"
+    assert seen(answer)[2] == pytest.approx([100 * next(draws(52)), 0])
+    assert one.options == {}
+    ended = answer.sections[1]
+    assert ended.columns == ENDED | 1 and list(ended.whose()) == [0, 2]
+    assert ended.marks == bytes([SEEN | TERMINATED, SEEN | TRUNCATED]) and rewards_in(ended) == (1, 1)
+    assert [ticks for _, ticks in seen(answer, 1)] == [2, 2]
+
+
+def test_the_same_seed_is_the_same_scene_and_each_agent_has_its_own():
+    asks = Asks(SceneSimulator(Sea("Sea", [*fish("cod", "cod"), *fish("whale")], 0.1)))
+    answer = asks.all(RESET, seed=5)
+    places = [place for at in (0, 1) for place, _ in seen(answer, at)]
+    assert places == pytest.approx([100 * next(draws(seed)) for seed in (5, 6, 7)])
+
+
+def test_options_and_states_are_each_ones_own():
+    cods = fish("cod", "cod", state_size=2)
+    asks = Asks(SceneSimulator(Sea("Sea", cods, 0.1)))
+    asks.all(RESET, depth=[1, {"x": 2}], state=[3, 4.5])
+    for each in cods:
+        assert (each.state, each.options["depth"]) == ([3.0, 4.5], [1, {"x": 2}])
+        each.options["depth"].append(5)
+        each.state.append(1.0)
+    assert asks.all(RESET, state=np.ones(3)) == "bad-state: a state is 2 numbers, not 3"
+    for wrong in ("here", None, [None, 1]):
+        assert asks.all(RESET, state=wrong).startswith("bad-state: a state is numbers")
+    assert len(cods[0].state) == 3, "nothing has begun"
+    asks.all(RESET)
+    assert [each.state for each in cods] == [[], []]
+
+
+# Names
+
+
+@pytest.mark.parametrize(
+    ("names", "at_most", "known"),
+    [
+        (["cod"], {}, ["cod"]),
+        (["cod"], {"cod": 3}, ["cod_0", "cod_1", "cod_2"]),
+        (["cod", "cod"], {}, ["cod_0", "cod_1"]),
+        (["cod", "cod_0", "cod"], {}, ["cod_0", "cod_1", "cod_2"]),
+        (["cod_7"], {}, ["cod_7"]),
+        (["cod_7", "cod"], {"cod": 3}, ["cod_0", "cod_1", "cod_7"]),
+    ],
+)
+def test_names_are_decided_at_the_hello(names, at_most, known):
+    scene = Sea("Sea", fish(*names), 0.1, at_most=at_most)
+    (kind,) = Asks(SceneSimulator(scene)).kinds
+    assert (kind["name"], kind["agents"], kind["at_most"]) == ("cod", known, len(known))
+    assert Asks(SceneSimulator(scene)).kinds[0]["agents"] == known, "and stay"
+    numbered = {name for name in names if "_" in name}
+    assert numbered <= {agent.name for agent in scene.agents}
+
+
+@dataclass
+class Equal(Agent):
+    """Equal to any other one, and so not hashable."""
+
+    size: int = 1
+    observation = Box(0, 9, (), np.float32)
+
+    def observe(self):
+        return self.size
+
+
+def test_an_agent_may_be_a_dataclass():
+    scene = Scene("Equals", [Equal(1), Equal(2), Equal(1)])
+    asks = Asks(SceneSimulator(scene))
+    answer = asks.all(RESET)
+    assert np.frombuffer(answer.sections[0].values, np.float32).tolist() == [1, 2, 1]
+    last = scene.agents[2]
+    scene.remove(last)
+    assert len(scene.agents) == 2 and scene.agents[0] is not last
+    assert asks.all(RESET).sections[0].marks == bytes([SEEN, SEEN, 4])
+
+
+def scene_of(*agents, **more):
+    return lambda: SceneSimulator(Scene("Sea", agents, **more))
+
+
+class Wide(Fish):
+    observation = Box(0, 1, (3,))
+
+
+class Marked(Agent):
+    depth: Annotated[float, Obs("cod@.depth")] = 0.0
+
+
+class Silent(Agent):
+    observation = Box(0, 1, (3,))
+
+
+COD = Fish("cod")
+REFUSED = [
+    (
+        scene_of(Fish("cod_1"), Fish("cod_1")),
+        "two agents have one name: 'cod_1', 'cod_1'; each needs a name of its own",
+    ),
+    (scene_of(Fish("cod"), Wide("cod")), "'cod' and 'cod_0' have one name, cod, and not the same observation"),
+    (scene_of(*fish("cod"), *fish("cod", period=2)), "'cod' and 'cod_0' have one name, cod, and not the same period"),
+    (scene_of(*fish("cod", period=0)), "period takes a whole number from 1"),
+    (
+        scene_of(*fish("cod", "cod"), at_most={"cod": 1}),
+        "no-space: there are 2 agents of cod: write at_most={'cod': 2}",
+    ),
+    (scene_of(*fish("cod"), at_most={"eel": 1}), "at_most takes names of agents, and 'eel' is none of cod"),
+    (scene_of(COD, COD), "two-agents: cod is in the scene twice"),
+    (scene_of(Fish("cod"), Marked("eel")), "Marked.depth goes into what cod sees, whose own observe says that"),
+    (scene_of(Silent("eel")), "nothing says what eel sees: write its observe, or mark fields"),
+]
+
+
+@pytest.mark.parametrize(("make", "said"), REFUSED)
+def test_agents_that_cannot_be_in_one_scene_are_named(make, said):
+    with pytest.raises(ValueError, match=said):
+        make()
+
+
+# What an agent says
+
+
+def told(agent, what, **more):
+    """The answer to a step of a scene with this agent, after `what` was done in its on_stepped."""
+    agent.on_stepped = lambda: what(agent)
+    asks = Asks(SceneSimulator(Scene("Sea", [agent], **more)))
+    asks.all(RESET)
+    return asks.all(STEP)
+
+
+def give(**values):
+    return lambda agent: agent.__dict__.update(values)
+
+
+class OldArray(np.ndarray):  # type: ignore[name-defined]
+    """As numpy 1.24 has it: an array of one number is a number."""
+
+    def __float__(self):
+        return float(self.item())
+
+
+SAID = [
+    (
+        give(reward=np.array([2.0]).view(OldArray)),
+        "bad-reward: the reward of cod is OldArray([2.]), which is no number",
+    ),
+    (give(reward=None), "bad-reward: the reward of cod is None, which is no number"),
+    (give(reward=float("nan")), "bad-reward: the reward of cod is nan"),
+    (give(reward=float("-inf")), "bad-reward: the reward of cod is -inf"),
+    (give(info={"seen": {1, 2}}), "bad-tree: info 'seen' cannot be sent: set has no place in a message"),
+    (give(info=[1]), "bad-info: an info is a dict, not [1]"),
+    (give(info={"lost": 1}), "bad-info: these names are the environment's own: 'lost'; cod has it"),
+    (give(info={"a": 1, "_a": 2}), "bad-info: these names are the environment's own: '_a'; cod has it"),
+    (lambda agent: agent.send_info({1}), "bad-tree: set has no place in a message"),
+    (give(observe=lambda: None), "not-in-space: float32 () nan is not in Box(-100.0, 100.0, (2,), float32)"),
+    (
+        give(observe=lambda: [1, 2, 3]),
+        "not-in-space: float32 (3,) [1.0, 2.0, 3.0] is not in Box(-100.0, 100.0, (2,), flo",
+    ),
+    (
+        give(observe=lambda: [1, 101]),
+        "not-in-space: float32 (2,) [1.0, 101.0] is not in Box(-100.0, 100.0, (2,), float32)",
+    ),
+    (give(observe=lambda: "here"), "not-in-space: 'here' is no number: it is not in Box(-100.0, 100.0, (2,), float32)"),
+]
+
+
+@pytest.mark.parametrize(("what", "said"), SAID)
+def test_what_an_agent_cannot_say_is_named(what, said):
+    assert told(Fish("cod"), what)[: len(said)] == said
+
+
+def test_an_observation_of_another_kind_is_named_as_well():
+    class Eel(Fish):
+        observation, depth = Dict(a=Text(3), b=Box(0, 1, (2,))), [0, 1]
+
+        def observe(self):
+            return {"a": "x", "b": self.depth}
+
+    eel: Any = Eel("eel")
+    asks = Asks(SceneSimulator(Scene("Sea", [eel])))
+    assert asks.all(RESET).sections[0].marks == bytes([SEEN])
+    for depth in ([0, 2], [0, 0, 0], None, "x"):
+        eel.depth = depth
+        assert asks.all(STEP).startswith("not-in-space: ")
+
+
+def test_whole_numbers_and_numpys_are_numbers():
+    def judge(agent):
+        agent.reward, agent.terminated, agent.truncated = 1, np.bool_(False), 0
+
+    answer = told(Fish("cod"), judge, dt=1)
+    assert (rewards_in(answer.sections[0]), answer.sections[0].marks) == ((1.0,), bytes([SEEN]))
+    assert type(Asks(SceneSimulator(Scene("Sea", fish("cod"), np.float32(0.5)))).hello.values["dt"]) is float
+
+
+def test_infos_go_with_the_next_answer_and_once():
+    """Values by name are of one step; what is sent has at most 12,000 bytes, and says what was left out."""
+    cod, sea = Fish("cod"), Sea("Sea", [], 0.1)
+    sea.agents.append(cod)
+    changed = [1]
+
+    def send(agent):
+        agent.info["steps"] = agent.steps
+        agent.send_info(changed)
+        sea.send_info("hello")
+        changed.append(2)
+        for number in range(600):
+            agent.send_info({"number": number, "text": 'é"' * 20})
+
+    cod.on_stepped = lambda: send(cod) if changed == [1] else None
+    asks = Asks(SceneSimulator(sea))
+    asks.all(RESET)
+    answer = asks.all(STEP)
+    ((row, data),) = answer.sections[0].each_info()
+    info = trees.read(data)
+    sent = info.pop("agent")
+    assert (row, info, trees.read(answer.said)) == (0, {"steps": 0}, ["hello"])
+    assert sent[0] == [1], "as it was"
+    assert [each["number"] for each in sent[1:-1]] == list(range(len(sent) - 2))
+    assert sent[-1] == {"dropped": 600 - len(sent) + 2} and 8000 < len(trees.write(sent)) < 12_500
+    answer = asks.all(STEP)
+    assert not answer.said and not list(answer.sections[0].each_info())
+
+
+def test_what_python_sends_is_heard_by_whom_it_is_for():
+    heard = []
+
+    class Listens(Sea):
+        def on_info(self, info):
+            heard.append(info)
+
+    cod = Fish("cod")
+    cod.on_info = lambda info: heard.append(("cod", info))
+    asks = Asks(SceneSimulator(Listens("Sea", [cod], 0.1)))
+    assert [asks.say(*pair).kind for pair in (("", [1, None]), ("cod", {"a": "x"}))] == ["told", "told"]
+    assert heard == [[1, None], ("cod", {"a": "x"})]
+    assert asks.say("eel", 1).values["text"] == "no agent is named 'eel'; there are: cod"
+    for wrong in ((1, 2), ("cod",)):
+        assert asks.say(*wrong).values["code"] == "bad-info"
+    assert asks.say().values["text"] == "Sea draws no pictures: write a render of the scene or its agents"
+    cod.render = lambda: np.zeros((2, 3, 3), np.uint8)
+    assert [array.shape for array in asks.say().arrays] == [(2, 3, 3)]
+
+
+def test_a_mistake_in_an_agent_is_told_in_one_line_and_it_goes_on(caplog):
+    cod = Fish("cod")
+    cod.on_tick = lambda dt: 1 / cod.ticks
+    asks = Asks(SceneSimulator(Scene("Sea", [cod])))
+    asks.all(RESET)
+    assert re.fullmatch(r"error-in-simulation: ZeroDivisionError\('.*'\)", asks.all(STEP))
+    assert "1 / cod.ticks" in caplog.text and caplog.text.count("Traceback") == 1, "its author sees where it is"
+    cod.ticks = 1
+    assert rewards_in(asks.all(STEP).sections[0]) == (1.0,)
+
+
+def test_nobody_is_idle_without_a_word(caplog):
+    asks = Asks(SceneSimulator(Sea("Sea", [*fish("cod"), *fish("eel"), *fish("whale")], 0.1)))
+    for _ in range(2):
+        asks.ask([asks.section([RESET], kind=1)])
+    assert caplog.messages == ["nobody asks for cod, whale: they stand still"]
+
+
+def test_half_a_request_is_none():
+    """Everything is looked at before anything moves."""
+    calls: list[str] = []
+    asks = Asks(SceneSimulator(Sea("Sea", [*fish("cod", "cod", calls=calls), *fish("eel", calls=calls)], 0.1)))
+    asks.all(RESET)
+    calls.clear()
+    good, step = asks.section([STEP, STEP]), asks.section([STEP], kind=1)
+    for sections, said in (
+        ([asks.section([STEP])], "wrong-agents: 1 rows, but there are 2 agents of cod"),
+        ([good, asks.section([STEP], kind=2)], "wrong-agents: kind 2 is none, or asked for twice: there are 2"),
+        ([good, good], "wrong-agents: kind 0 is none, or asked for twice"),
+        ([good, asks.section([STEP], 9, kind=1)], "not-in-space: "),
+        ([good, asks.section([RESET], kind=1)], "bad-options: options are a dict, not list"),
+    ):
+        asks.id += 1
+        record = Record(ASKS, asks.id, sections, said=trees.write([1]) if "options" in said else b"")
+        answer = read_frames(ANSWERS, asks.simulator.answer(record))
+        assert f"{answer.values['code']}: {answer.values['text']}".startswith(said)
+    assert calls == []
+    assert asks.ask([good, step], 4).startswith("no-clock: ")
+    assert asks.ask([good, step]).sections[1].marks == bytes([SEEN])
+
+
+# By attributes
+
+
+class Car(Agent):
+    speed: Annotated[float, Obs()] = 0.5
+    road: Annotated[Any, Obs("['road'] & bus@.road(0)")] = np.zeros(2, np.float32)
+    says: Annotated[str, Obs("@@bus@.news")] = "?"
+
+
+class Bus(Agent):
+    pass
+
+
+def test_rows_of_one_form_say_it_once_and_name_no_agent():
+    cars = [Car("car") for _ in range(3)]
+    asks = Asks(SceneSimulator(Scene("Cars", [*cars, Bus("bus")])))
+    assert [kind["observation"] for kind in asks.kinds] == [None, None]
+    car, bus = asks.all(RESET).sections
+    assert car.columns == bus.columns == FORM
+    places = [*["@['news'] = $"] * 3, "@['road'] = $", "@['speed'] = $"]
+    assert [text for text, _ in trees.pairs_of(car.form)] == places
+    assert [text for text, _ in trees.pairs_of(bus.form)] == ["@['road'](0) = $"] * 3
+    cars[1].speed = 1
+    (car, _) = asks.all(RESET).sections
+    assert car.columns == SIZES
+
+
+# Real time
+
+
+def test_what_the_clock_has_seen_is_made_up_for():
+    """With the actions from before, and those of a step only in the tick that is due; rewards are summed."""
+    now, calls = [0.0], []
+    (cod,) = fish("cod", lives=1000)
+    cod.on_action = lambda action: calls.append(int(action))
+    asks = Asks(SceneSimulator(Scene("Sea", [cod], 0.1), lambda: now[0]))
+    asks.all(RESET, REAL_TIME)
+    now[0] = 0.105
+    answer = asks.all(STEP, REAL_TIME, action=1)
+    assert (calls, rewards_in(answer.sections[0])) == ([1], (1.0,))
+    now[0] = 0.505
+    answer = asks.all(STEP, REAL_TIME, action=2)
+    assert (calls, rewards_in(answer.sections[0]), cod.ticks) == ([1, 1, 1, 1, 2], (4.0,), 5)
+    calls.clear()
+    now[0] = 1000
+    asks.all(STEP, REAL_TIME, action=3)
+    assert 99 <= len(calls) <= 101, "not more than ten seconds"
+    asks.all(RESET, REAL_TIME)
+    calls.clear()
+    cod.lives, now[0] = 3, 1000.1
+    answer = asks.all(STEP, REAL_TIME, action=4)
+    assert calls == [4], "an episode begins without an action"
+    now[0] = 1002
+    answer = asks.all(STEP, REAL_TIME | AUTORESET, action=5)
+    assert calls == [4] * 3 and cod.ticks == 0, "who has ended has no more ticks until the next exchange"
+    assert rewards_in(answer.sections[1]) == (2.0,)
