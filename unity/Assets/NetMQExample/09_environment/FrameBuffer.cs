@@ -16,15 +16,16 @@ namespace NetMQExample
 
         public void Advance(int count) => Count += count;
 
+        // Never an empty one: what writes in parts would stop.
         public Span<byte> GetSpan(int sizeHint = 0)
         {
-            Grow(sizeHint);
+            Grow(Math.Max(1, sizeHint));
             return bytes.AsSpan(Count);
         }
 
         public Memory<byte> GetMemory(int sizeHint = 0)
         {
-            Grow(sizeHint);
+            Grow(Math.Max(1, sizeHint));
             return bytes.AsMemory(Count);
         }
 
