@@ -553,7 +553,7 @@ def test_before_the_first_reset_nobody_lives(order, csharp_areas, areas):
         if envs is csharp_areas:
             envs.reset(options={"state": [2.4, 9.0, 0.0, 0.0]})
             assert envs.step(np.ones(AREAS, int))[2].all()
-        with pytest.raises(MessageError, match="^wrong-agents: agent_0 is over, or has not begun: reset comes first"):
+        with pytest.raises(MessageError, match=r"^wrong-agents: agent_0 is over, or has not begun: reset comes first"):
             envs.simulators.ask(asks(stepped))
 
 
@@ -573,7 +573,11 @@ def rest(env, seen):
 def test_the_world_goes_on_while_python_thinks_if_it_is_to(kind, launch, pursuit, make):
     """A thinker's second is ten ticks at least; how many more it becomes on a busy machine nobody knows."""
     inside = kind == "python"
-    env = pursuit(real_time=True) if inside else make(ZmqParallelEnv, launch=launch(kind, key=KEY), real_time=True)
+    env = (
+        pursuit(real_time=True)
+        if inside
+        else make(UnityParallelEnv, "Pursuit", launch=launch(kind, key=KEY), real_time=True)
+    )
     # In this one no rabbit is near a hunter.
     seen, _ = env.reset(seed=10)
     begin = time.monotonic()

@@ -19,6 +19,8 @@ namespace NetMQExample.Tests
             CultureInfo.CurrentCulture = german;
         }
 
+        public static int Whole(string text) => int.Parse(text, CultureInfo.InvariantCulture);
+
         private static int Main(string[] words)
         {
             var rest = words.Skip(1).ToArray();
@@ -26,11 +28,11 @@ namespace NetMQExample.Tests
             {
                 case "background": return BackgroundClientChecks.Run(rest);
                 case "each": EachRun.Run(rest[0]); return 0;
-                case "game": Post.Run(rest[1]); return 0;
                 case "jobs": JobChecks.Run(rest[0]); return 0;
                 case "locators": LocatorChecks.Run(); return 0;
                 case "messages": MessageChecks.Run(rest); return 0;
                 case "observations": ObservationChecks.Run(rest); return 0;
+                case "office": Office.Run(rest[0], rest[1], rest[3]); return 0;
                 case "records": RecordChecks.Run(rest); return 0;
                 case "rules": RuleChecks.Run(); return 0;
                 case "scene": Scenes.Run(rest[0], rest[1], rest.Skip(2).ToArray()); return 0;
