@@ -125,7 +125,7 @@ namespace NetMQExample
                 kind.Rows.Add(row);
                 Rows.Add(row);
                 if (agent == null) continue;
-                (row.Agent, row.State) = (agent, agent.AgentState);
+                (row.Agent, row.State) = (agent, Take(agent));
                 row.State.Row = row;
                 row.State.Call(row.Name);
                 kind.Check(agent);
