@@ -34,7 +34,8 @@ namespace NetMQExample.Terminal
             game.SendInfo = simulator.SendInfo;
             using var client = new EnvironmentClient(endpoint, timeout, Console.WriteLine);
             Console.WriteLine($"asking {endpoint}");
-            client.Run(simulator, count, answer => answer());
+            // In a game an episode of each of its players begins.
+            client.Run(simulator, world == "Pursuit" ? count * game.Players.Count : count, answer => answer());
             Console.WriteLine($"done: {simulator.Episodes} episodes, {simulator.Steps} steps");
         }
     }

@@ -43,7 +43,9 @@ def main() -> None:
     options = parser.parse_args()
     show(f"asking {options.endpoint}")
     simulator = SceneSimulator(scene(options.world, options.areas))
-    EnvironmentClient(options.endpoint, timeout=options.timeout).run(simulator, options.count)
+    # In a game an episode of each of its agents begins.
+    count = options.count * (len(simulator.scene.agents) if options.world == "Pursuit" else 1)
+    EnvironmentClient(options.endpoint, timeout=options.timeout).run(simulator, count)
     show(f"done: {simulator.episodes} episodes, {simulator.steps} steps")
 
 

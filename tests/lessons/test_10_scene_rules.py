@@ -1,4 +1,6 @@
-"""Lesson 10, a scene in Python: the order of a step, seeds, names, ends, infos, real time, and what cannot be."""
+"""Lesson 10, a scene in Python: what an agent and a scene cannot be, say or be asked. The order of a step, names, who
+comes and leaves are in test_10_many_agents.py, for both languages.
+"""
 
 from __future__ import annotations
 
@@ -18,19 +20,12 @@ from netmq_example.wire import trees  # noqa: E402
 from netmq_example.wire.records import (  # noqa: E402
     ANSWERS,
     ASKS,
-    AUTORESET,
-    ENDED,
     FORM,
     LAST,
-    NEW,
-    NOTHING,
-    REAL_TIME,
     RESET,
     SEEN,
     SIZES,
     STEP,
-    TERMINATED,
-    TRUNCATED,
     Record,
     Section,
     read_frames,
@@ -38,7 +33,6 @@ from netmq_example.wire.records import (  # noqa: E402
     seeds,
     with_sizes,
 )
-from netmq_example.wire.split_mix import draws  # noqa: E402
 
 
 class Asks:
@@ -78,53 +72,24 @@ class Asks:
 
 
 class Fish(Agent):
-    """It writes down whatever is called, and ends after so many steps."""
+    """It writes down what it does."""
 
     observation, action = Box(-100, 100, (2,), np.float32), Discrete(9)
     calls: Any = None
-    lives = 100
-
-    def call(self, what):
-        if self.calls is not None:
-            self.calls.append(f"{self.name} {what}")
 
     def on_reset(self):
-        self.call("reset")
-        self.place, self.ticks, self.steps = 100 * self.rng(), 0, 0
+        self.steps = 0
 
     def on_action(self, action):
-        self.call(f"does {action}")
-
-    def on_tick(self, dt):
-        self.call("ticks")
-        self.ticks += 1
+        if self.calls is not None:
+            self.calls.append(f"{self.name} does {action}")
 
     def on_stepped(self):
-        self.call("stepped")
         self.steps += 1
         self.reward += 1
-        self.terminated = self.steps == self.lives
 
     def observe(self):
-        self.call("seen")
-        return np.array([self.place, self.ticks], np.float32)
-
-
-class Sea(Scene):
-    calls: Any = None
-
-    def call(self, what):
-        if self.calls is not None:
-            self.calls.append(f"sea {what}")
-
-    def on_reset(self, rng, options):
-        self.call(f"reset {rng():.4f} {options}")
-
-    def on_tick(self, dt):
-        self.call("ticks")
-
-    def on_stepped(self):
-        self.call("stepped")
+        return np.array([self.steps, 0], np.float32)
 
 
 def fish(*names, **more):
@@ -134,79 +99,12 @@ def fish(*names, **more):
     return made
 
 
-def seen(answer, at=0):
-    """What those with the mark see."""
-    return np.frombuffer(answer.sections[at].values, np.float32).reshape(-1, 2).tolist()
-
-
-# The order
-
-
-def test_a_step_is_done_in_the_order_that_its_module_says():
-    """With three ticks a step of one kind, one tick of the other."""
-    calls: list[str] = []
-    sea = Sea("Sea", [*fish("cod", "cod", calls=calls), *fish("whale", calls=calls, period=3)], 0.1)
-    sea.calls = calls
-    asks = Asks(SceneSimulator(sea))
-    asks.all(RESET, seed=7, depth=3)
-    assert calls[:4] == [f"sea reset {next(draws(7)):.4f} {{'depth': 3}}", "cod_0 reset", "cod_1 reset", "whale reset"]
-    assert calls[4:] == ["cod_0 seen", "cod_1 seen", "whale seen"]
-    calls.clear()
-    asks.all(STEP, action=2)
-    names = "cod_0", "cod_1", "whale"
-    assert calls[:3] == [f"{name} does 2" for name in names]
-    assert calls[3:11] == [*(f"{name} ticks" for name in names), "sea ticks", *["whale ticks", "sea ticks"] * 2]
-    assert calls[11:] == [*(f"{name} stepped" for name in names), "sea stepped", *(f"{name} seen" for name in names)]
-    calls.clear()
-    asks.all(NOTHING)
-    assert calls == [], "no step, no tick"
-    asks.ask([asks.section([STEP, RESET], seed=4)])
-    assert "cod_1 does 0" not in calls and calls.index("sea stepped") < calls.index("cod_1 reset") < calls.index(
-        "cod_0 seen"
-    )
-    assert not any(call.startswith(("whale", "sea reset")) for call in calls), "who is not asked, stands still"
-
-
-@pytest.mark.parametrize("autoreset", [False, True])
-def test_who_ends_is_seen_a_last_time_and_may_begin_anew_at_once(autoreset):
-    calls: list[str] = []
-    one, other, third = fish("cod", "cod", "cod")
-    one.lives, one.calls = 2, calls
-    one.info = {}
-    asks = Asks(SceneSimulator(Sea("Sea", [one, other, third], 0.1)))
-    begun = asks.all(RESET, seed=1)
-    assert begun.sections[0].marks == bytes([SEEN] * 3)
-    bits = AUTORESET if autoreset else 0
-    asks.all(STEP, bits)
-    calls.clear()
-    answer = asks.ask([asks.section([STEP, STEP, LAST], seed=50)], bits, depth=1)
-    now = answer.sections[0]
-    if not autoreset:
-        assert now.marks == bytes([SEEN | TERMINATED, SEEN, SEEN | TRUNCATED]) and rewards_in(now) == (1, 1, 1)
-        assert calls.count("cod_0 seen") == 1 and len(answer.sections) == 1
-        assert asks.all(STEP) == "wrong-agents: cod_0 is over, or has not begun: reset comes first"
-        return
-    assert calls[-3:] == ["cod_0 seen", "cod_0 reset", "cod_0 seen"]
-    assert now.marks == bytes([SEEN | NEW, SEEN, SEEN | NEW]) and rewards_in(now) == (0, 1, 0)
-    assert seen(answer)[0] == pytest.approx([100 * next(draws(50)), 0]), "by the seed that came with it"
-    assert seen(answer)[2] == pytest.approx([100 * next(draws(52)), 0])
-    assert one.options == {}
-    ended = answer.sections[1]
-    assert ended.columns == ENDED | 1 and list(ended.whose()) == [0, 2]
-    assert ended.marks == bytes([SEEN | TERMINATED, SEEN | TRUNCATED]) and rewards_in(ended) == (1, 1)
-    assert [ticks for _, ticks in seen(answer, 1)] == [2, 2]
-
-
-def test_the_same_seed_is_the_same_scene_and_each_agent_has_its_own():
-    asks = Asks(SceneSimulator(Sea("Sea", [*fish("cod", "cod"), *fish("whale")], 0.1)))
-    answer = asks.all(RESET, seed=5)
-    places = [place for at in (0, 1) for place, _ in seen(answer, at)]
-    assert places == pytest.approx([100 * next(draws(seed)) for seed in (5, 6, 7)])
+# Agents
 
 
 def test_options_and_states_are_each_ones_own():
     cods = fish("cod", "cod", state_size=2)
-    asks = Asks(SceneSimulator(Sea("Sea", cods, 0.1)))
+    asks = Asks(SceneSimulator(Scene("Sea", cods)))
     asks.all(RESET, depth=[1, {"x": 2}], state=[3, 4.5])
     for each in cods:
         assert (each.state, each.options["depth"]) == ([3.0, 4.5], [1, {"x": 2}])
@@ -218,29 +116,6 @@ def test_options_and_states_are_each_ones_own():
     assert len(cods[0].state) == 3, "nothing has begun"
     asks.all(RESET)
     assert [each.state for each in cods] == [[], []]
-
-
-# Names
-
-
-@pytest.mark.parametrize(
-    ("names", "at_most", "known"),
-    [
-        (["cod"], {}, ["cod"]),
-        (["cod"], {"cod": 3}, ["cod_0", "cod_1", "cod_2"]),
-        (["cod", "cod"], {}, ["cod_0", "cod_1"]),
-        (["cod", "cod_0", "cod"], {}, ["cod_0", "cod_1", "cod_2"]),
-        (["cod_7"], {}, ["cod_7"]),
-        (["cod_7", "cod"], {"cod": 3}, ["cod_0", "cod_1", "cod_7"]),
-    ],
-)
-def test_names_are_decided_at_the_hello(names, at_most, known):
-    scene = Sea("Sea", fish(*names), 0.1, at_most=at_most)
-    (kind,) = Asks(SceneSimulator(scene)).kinds
-    assert (kind["name"], kind["agents"], kind["at_most"]) == ("cod", known, len(known))
-    assert Asks(SceneSimulator(scene)).kinds[0]["agents"] == known, "and stay"
-    numbered = {name for name in names if "_" in name}
-    assert numbered <= {agent.name for agent in scene.agents}
 
 
 @dataclass
@@ -384,45 +259,16 @@ def test_whole_numbers_and_numpys_are_numbers():
     assert type(Asks(SceneSimulator(Scene("Sea", fish("cod"), np.float32(0.5)))).hello.values["dt"]) is float
 
 
-def test_infos_go_with_the_next_answer_and_once():
-    """Values by name are of one step; what is sent has at most 12,000 bytes, and says what was left out."""
-    cod, sea = Fish("cod"), Sea("Sea", [], 0.1)
-    sea.agents.append(cod)
-    changed = [1]
-
-    def send(agent):
-        agent.info["steps"] = agent.steps
-        agent.send_info(changed)
-        sea.send_info("hello")
-        changed.append(2)
-        for number in range(600):
-            agent.send_info({"number": number, "text": 'é"' * 20})
-
-    cod.on_stepped = lambda: send(cod) if changed == [1] else None
-    asks = Asks(SceneSimulator(sea))
-    asks.all(RESET)
-    answer = asks.all(STEP)
-    ((row, data),) = answer.sections[0].each_info()
-    info = trees.read(data)
-    sent = info.pop("agent")
-    assert (row, info, trees.read(answer.said)) == (0, {"steps": 0}, ["hello"])
-    assert sent[0] == [1], "as it was"
-    assert [each["number"] for each in sent[1:-1]] == list(range(len(sent) - 2))
-    assert sent[-1] == {"dropped": 600 - len(sent) + 2} and 8000 < len(trees.write(sent)) < 12_500
-    answer = asks.all(STEP)
-    assert not answer.said and not list(answer.sections[0].each_info())
-
-
 def test_what_python_sends_is_heard_by_whom_it_is_for():
     heard = []
 
-    class Listens(Sea):
+    class Listens(Scene):
         def on_info(self, info):
             heard.append(info)
 
     cod = Fish("cod")
     cod.on_info = lambda info: heard.append(("cod", info))
-    asks = Asks(SceneSimulator(Listens("Sea", [cod], 0.1)))
+    asks = Asks(SceneSimulator(Listens("Sea", [cod])))
     assert [asks.say(*pair).kind for pair in (("", [1, None]), ("cod", {"a": "x"}))] == ["told", "told"]
     assert heard == [[1, None], ("cod", {"a": "x"})]
     assert asks.say("eel", 1).values["text"] == "no agent is named 'eel'; there are: cod"
@@ -434,7 +280,8 @@ def test_what_python_sends_is_heard_by_whom_it_is_for():
 
 
 def test_a_mistake_in_an_agent_is_told_in_one_line_and_it_goes_on(caplog):
-    cod = Fish("cod")
+    cod: Any = Fish("cod")
+    cod.ticks = 0
     cod.on_tick = lambda dt: 1 / cod.ticks
     asks = Asks(SceneSimulator(Scene("Sea", [cod])))
     asks.all(RESET)
@@ -444,17 +291,10 @@ def test_a_mistake_in_an_agent_is_told_in_one_line_and_it_goes_on(caplog):
     assert rewards_in(asks.all(STEP).sections[0]) == (1.0,)
 
 
-def test_nobody_is_idle_without_a_word(caplog):
-    asks = Asks(SceneSimulator(Sea("Sea", [*fish("cod"), *fish("eel"), *fish("whale")], 0.1)))
-    for _ in range(2):
-        asks.ask([asks.section([RESET], kind=1)])
-    assert caplog.messages == ["nobody asks for cod, whale: they stand still"]
-
-
 def test_half_a_request_is_none():
     """Everything is looked at before anything moves."""
     calls: list[str] = []
-    asks = Asks(SceneSimulator(Sea("Sea", [*fish("cod", "cod", calls=calls), *fish("eel", calls=calls)], 0.1)))
+    asks = Asks(SceneSimulator(Scene("Sea", fish("cod", "cod", "eel", calls=calls))))
     asks.all(RESET)
     calls.clear()
     good, step = asks.section([STEP, STEP]), asks.section([STEP], kind=1)
@@ -470,7 +310,7 @@ def test_half_a_request_is_none():
         answer = read_frames(ANSWERS, asks.simulator.answer(record))
         assert f"{answer.values['code']}: {answer.values['text']}".startswith(said)
     assert calls == []
-    assert asks.ask([good, step], 4).startswith("no-clock: ")
+    assert asks.ask([good, step], 4).startswith("wrong-clock: ")
     assert asks.ask([good, step]).sections[1].marks == bytes([SEEN])
 
 
@@ -499,34 +339,3 @@ def test_rows_of_one_form_say_it_once_and_name_no_agent():
     cars[1].speed = 1
     (car, _) = asks.all(RESET).sections
     assert car.columns == SIZES
-
-
-# Real time
-
-
-def test_what_the_clock_has_seen_is_made_up_for():
-    """With the actions from before, and those of a step only in the tick that is due; rewards are summed."""
-    now, calls = [0.0], []
-    (cod,) = fish("cod", lives=1000)
-    cod.on_action = lambda action: calls.append(int(action))
-    asks = Asks(SceneSimulator(Scene("Sea", [cod], 0.1), lambda: now[0]))
-    asks.all(RESET, REAL_TIME)
-    now[0] = 0.105
-    answer = asks.all(STEP, REAL_TIME, action=1)
-    assert (calls, rewards_in(answer.sections[0])) == ([1], (1.0,))
-    now[0] = 0.505
-    answer = asks.all(STEP, REAL_TIME, action=2)
-    assert (calls, rewards_in(answer.sections[0]), cod.ticks) == ([1, 1, 1, 1, 2], (4.0,), 5)
-    calls.clear()
-    now[0] = 1000
-    asks.all(STEP, REAL_TIME, action=3)
-    assert 99 <= len(calls) <= 101, "not more than ten seconds"
-    asks.all(RESET, REAL_TIME)
-    calls.clear()
-    cod.lives, now[0] = 3, 1000.1
-    answer = asks.all(STEP, REAL_TIME, action=4)
-    assert calls == [4], "an episode begins without an action"
-    now[0] = 1002
-    answer = asks.all(STEP, REAL_TIME | AUTORESET, action=5)
-    assert calls == [4] * 3 and cod.ticks == 0, "who has ended has no more ticks until the next exchange"
-    assert rewards_in(answer.sections[1]) == (2.0,)

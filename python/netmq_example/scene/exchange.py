@@ -259,7 +259,10 @@ class Exchange:
             one.new.add(row)
             begin(agent, draws((self.seed + kind.first + row) & MASK), {}, [])
         elif one.orders[row] == RESET:
-            begin(agent, draws(one.seeds[row]), self.options(), list(self.states[kind.number]))
+            options = self.options()
+            if kind.state_size:
+                options.pop("state", None)
+            begin(agent, draws(one.seeds[row]), options, list(self.states[kind.number]))
         else:
             one.new.add(row)
             begin(agent, draws(one.seeds[row]), {}, [])
@@ -288,6 +291,7 @@ class Exchange:
             agent = kind.present[row]
             if agent is None:
                 agent = kind.last[row]
+                kind.told[row] = True
                 marks[row] = ABSENT if agent is None else ABSENT | ends(agent)
                 if agent is None:
                     continue

@@ -34,10 +34,11 @@ class Kind:
         # Then what is seen comes as locators and values.
         self.located = not self.in_code or self.observation is None
         count = len(names)
-        # Who is there, and who was there last; whose episode goes on, and who has come and not begun.
+        # Who is there, and who was there last; whose episode goes on, who is known to have left, who has yet to begin.
         self.present: list[Agent | None] = [None] * count
         self.last: list[Agent | None] = [None] * count
         self.begun = [False] * count
+        self.told = [False] * count
         self.fresh: set[int] = set()
 
     def described(self) -> dict[str, Any]:

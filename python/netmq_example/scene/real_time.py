@@ -20,8 +20,21 @@ class RealTime:
     def __init__(self, dt: float, clock: Callable[[], float]) -> None:
         self.dt = dt
         self.clock = clock
+        self.on = False
+        # When the next tick is due.
         self.next = 0.0
         self.acting: list[tuple[Agent, Any]] = []
+
+    def switched(self, on: bool) -> bool:
+        """Whether time passes by the clock; it begins when it is asked for."""
+        if on and not self.on:
+            self.restart()
+        self.on = on
+        return on
+
+    def restart(self) -> None:
+        self.next = self.clock() + self.dt
+        self.acting = []
 
     def step(self, exchange: Exchange) -> int:
         """How many steps agents have done."""
@@ -39,6 +52,5 @@ class RealTime:
                 steps += exchange.step(real_time=True)
         self.acting = exchange.acting
         if all(set(one.orders) == {RESET} for one in exchange.asked):
-            self.next = self.clock() + self.dt
-            self.acting = []
+            self.restart()
         return steps

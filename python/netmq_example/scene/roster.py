@@ -67,9 +67,12 @@ class Roster:
         for agent in sorted(agents, key=lambda one: parted(one.name)[1] is None):
             kind, row = self.place(agent)
             if kind.present[row] is not agent:
+                # Who was away between two answers has missed nothing.
+                if kind.last[row] is not agent or kind.told[row] or not kind.begun[row]:
+                    kind.begun[row] = False
+                    kind.fresh.add(row)
                 kind.present[row] = kind.last[row] = agent
-                kind.begun[row] = False
-                kind.fresh.add(row)
+                kind.told[row] = False
                 agent.name = kind.names[row]
                 self.places[id(agent)] = kind, row
         self.now = list(agents)

@@ -97,17 +97,18 @@ class SceneSimulator(SimulatorBase):
     def describe(self) -> Message:
         self.roster = Roster(self.scene, self.roster)
         self.warned = False
+        self.real_time.switched(False)
         data = trees.write({"kinds": [kind.described() for kind in self.roster]})
         values = {"name": self.name, "dt": self.scene.dt, "record": 2, "clock": "python", "channels": False}
         return Message("hello", 0, values, [trees.array_of(data)])
 
     def do(self, request: Record) -> Record:
         if request.bits & SCENE_CLOCK:
-            raise MessageError("no-clock", "this kit steps by Python's clock, and not yet by the scene's own")
+            raise MessageError("wrong-clock", "this simulator goes by Python's clock, and not by the scene's")
         self.roster.sync()
         exchange = Exchange(self.scene, self.roster, request, self.seed)
         self.warn(exchange.asked)
-        if request.bits & REAL_TIME:
+        if self.real_time.switched(bool(request.bits & REAL_TIME)):
             self.steps += self.real_time.step(exchange)
         elif exchange.acting:
             self.steps += exchange.step()
