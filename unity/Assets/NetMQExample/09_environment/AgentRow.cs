@@ -101,8 +101,9 @@ namespace NetMQExample
 
         public void Act()
         {
-            if (reader == null) Agent.OnAction(tree);
-            else Agent.OnAction(reader);
+            if (reader != null) Agent.OnAction(reader);
+            // Null: who plays it by hand presses nothing.
+            else if (tree != null) Agent.OnAction(tree);
         }
     }
 

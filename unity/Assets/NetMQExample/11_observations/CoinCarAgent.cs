@@ -31,6 +31,13 @@ namespace NetMQExample
         public override void OnAction(object action) => car.OnAction(action);
 
         /// <inheritdoc/>
+        public override object Heuristic() => new Dictionary<string, object>
+        {
+            ["push"] = BoxOf.Value(new[] { ArrowKeys.Horizontal, ArrowKeys.Vertical }),
+            ["boost"] = ArrowKeys.Space ? 1L : 0L,
+        };
+
+        /// <inheritdoc/>
         public override void OnTick(double dt)
         {
             car.OnTick(dt);

@@ -1,4 +1,4 @@
-// The keys that lessons 08 to 10 are played with, by whichever of Unity's two input systems the project has: the Input
+// The keys that lessons 08 to 11 are played with, by whichever of Unity's two input systems the project has: the Input
 // Manager, or the package Input System, which is all that a new project of Unity 6 listens to.
 using UnityEngine;
 #if NETMQEXAMPLE_INPUT_SYSTEM && !ENABLE_LEGACY_INPUT_MANAGER
