@@ -117,6 +117,11 @@ class UnityVecEnv(VecEnv):  # type: ignore[misc, unused-ignore]
     def close(self) -> None:
         self.envs.close()
 
+    @property
+    def simulators(self) -> Any:
+        # Lesson 13's carry looks for it.
+        return self.envs.unwrapped.simulators
+
     def is_own(self, name: str) -> bool:
         """Whether it is of this one or of a class derived from it, and not what each environment would have."""
         return hasattr(self, name) and not hasattr(VecEnv, name)

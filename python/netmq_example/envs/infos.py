@@ -20,6 +20,8 @@ from netmq_example.wire.records import Section
 
 # These names are the environment's own.
 OWN = frozenset(("lost", "final_obs", "final_info", "final_observation"))
+# Under this name is a mask, as Gymnasium's sample takes it: int8, or a tuple of several.
+MASK = "action_mask"
 NUMBERS = {"int64": np.dtype("<i8"), "float64": np.dtype("<f8"), "bool": np.dtype(bool)}
 
 
@@ -91,6 +93,8 @@ class Infos:
             found[key] = np.zeros((self.count, *column.shape[1:]), column.dtype)
             found[key][rows] = column
             found[f"_{key}"] = mask.copy()
+        if MASK in found:
+            found[MASK] = found[MASK].astype(np.int8)
         return found
 
     def mixed(self) -> dict[str, Any]:
@@ -153,7 +157,16 @@ def info_in(data: Any) -> dict[str, Any]:
         raise MessageError("bad-info", f"an info is a dict, not {info!a:.40}")
     if not OWN.isdisjoint(info):
         raise MessageError("bad-info", f"these names are the environment's own: {', '.join(sorted(OWN & info.keys()))}")
+    if MASK in info:
+        info[MASK] = mask_of(info[MASK])
     return info
+
+
+def mask_of(value: Any) -> Any:
+    if isinstance(value, list) and any(isinstance(part, list | np.ndarray) for part in value):
+        return tuple(map(mask_of, value))
+    mask = np.asarray(value)
+    return mask.astype(np.int8) if mask.dtype.kind in "biuf" else value
 
 
 def scene_infos(said: Any) -> list[Any]:

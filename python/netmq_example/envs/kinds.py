@@ -64,8 +64,8 @@ class SceneHello:
     def frames_per_second(self, kind: Kind) -> float:
         """As many steps as there are in a second of the world's own time."""
         rate = 1 / (max(1e-3, self.dt) * kind.period)
-        # Slow worlds have less than one; all others a whole number, as films like it.
-        return round(rate) if rate >= 1 else rate
+        # A whole number, as films like it, where that is near.
+        return round(rate) if abs(rate - round(rate)) < rate / 20 else rate
 
 
 def read_hello(hello: Message, name: str) -> SceneHello:

@@ -19,6 +19,7 @@ import time
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import gymnasium
 from gymnasium.spaces import Space
 from gymnasium.utils import seeding
 from pettingzoo import ParallelEnv
@@ -165,7 +166,9 @@ class UnityParallelEnv(MadeAnew, Rendered, ParallelEnv):  # type: ignore[misc, u
         """Observations, rewards, terminations, truncations and infos, also of those that end with this step."""
         if not isinstance(actions, dict) or not {*self.agents} <= actions.keys() <= {*self.possible_agents}:
             raise ValueError(f"actions {actions!r:.200}, but those that live are {self.agents}")
-        if not self.agents or not self.begun:
+        if not self.begun:
+            raise gymnasium.error.ResetNeeded("no episode is under way: call reset before step")
+        if not self.agents:
             # Wrappers step once more when all are over; PettingZoo's own environments have nothing to say then.
             return {}, {}, {}, {}, {}
         if self.remote.bits:

@@ -140,7 +140,7 @@ class Exchange:
             agent
             for one in self.asked
             for agent, begun in zip(one.kind.present, one.kind.begun, strict=True)
-            if agent and begun
+            if agent and begun and self.here(agent)
         ]
 
     def step(self, real_time: bool = False) -> int:
@@ -172,11 +172,10 @@ class Exchange:
             for agent in acting:
                 agent._earned += reward_of(agent)
                 agent.reward = 0.0
-        self.roster.sync()
         return len(acting)
 
     def end(self) -> None:
-        """Whoever is over is observed a last time."""
+        """Whoever is over is observed a last time, also who has left in the same step. Then it is seen who is there."""
         for one in self.asked:
             kind = one.kind
             ended: dict[int, Agent] = {}
@@ -193,6 +192,7 @@ class Exchange:
                 one.last = dict(zip(ended, rows, strict=True))
                 if self.autoreset:
                     one.ended = self.ended(kind, ended, rows)
+        self.roster.sync()
 
     def ended(self, kind: Kind, ended: dict[int, Agent], rows: list[bytes]) -> Section:
         taken = [take(agent) for agent in ended.values()]
@@ -291,10 +291,13 @@ class Exchange:
             agent = kind.present[row]
             if agent is None:
                 agent = kind.last[row]
-                kind.told[row] = True
-                marks[row] = ABSENT if agent is None else ABSENT | ends(agent)
+                told, kind.told[row] = kind.told[row], True
+                marks[row] = ABSENT
                 if agent is None:
                     continue
+                # An end is told once.
+                if kind.begun[row] and not told and not (self.autoreset and row in one.last):
+                    marks[row] |= ends(agent) | (SEEN if row in one.last else 0)
             elif row in one.new:
                 marks[row] = NEW | SEEN
             elif order == NOTHING:
@@ -305,7 +308,7 @@ class Exchange:
                 marks[row] |= ends(agent)
                 # From now on it must be reset.
                 kind.begun[row] = False
-            elif marks[row] & SEEN:
+            elif marks[row] & SEEN and not marks[row] & ABSENT:
                 seeing.append(agent)
             telling[row] = agent
         rows = self.seen(kind, seeing)
