@@ -8,8 +8,9 @@ public sealed class Looker : Agent
 {
     [Discrete] private int steps;
 
-    private void Awake()
+    protected override void Awake()
     {
+        base.Awake();
         GameObject.CreatePrimitive(PrimitiveType.Cube).transform.SetParent(transform, false);
         foreach (var (name, away) in new[] { ("Main Camera", -9f), ("front", -6f) })
         {

@@ -52,7 +52,7 @@ namespace NetMQExample.Tests
         private static readonly GymSpace Words = GymSpace.Text(20, 0, "abcdefghijklmnopqrstuvwxyz0123456789 .");
         private static readonly GymSpace Seen = GymSpace.Dict(
             ("drawn", GymSpace.Box(
-                SpaceOf.Array("float64", 0, 0), SpaceOf.Array("float64", 1, 1))),
+                RecordChecks.Array("float64", 0, 0), RecordChecks.Array("float64", 1, 1))),
             ("letters", GymSpace.Sequence(Words)), ("ticks", GymSpace.Box(0, 100, 1)));
 
         // What a clerk may say by name.
@@ -62,9 +62,9 @@ namespace NetMQExample.Tests
             ["part"] = 0.75,
             ["false"] = false,
             ["text"] = "abc",
-            ["none"] = SpaceOf.Array("float64"),
-            ["one"] = SpaceOf.Array("float64", 1),
-            ["two"] = SpaceOf.Array("int32", 1, 1),
+            ["none"] = RecordChecks.Array("float64"),
+            ["one"] = RecordChecks.Array("float64", 1),
+            ["two"] = RecordChecks.Array("int32", 1, 1),
             ["list"] = new List<object> { 1L, 2L },
             ["dict"] = new Dictionary<string, object> { ["a"] = 1L },
         };

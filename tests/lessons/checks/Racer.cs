@@ -44,7 +44,11 @@ public class Racer : Agent
         else m_NickName = (string)info;
     }
 
-    private void Awake() => s_Loads++;
+    protected override void Awake()
+    {
+        base.Awake();
+        s_Loads++;
+    }
 
     private void Update()
     {

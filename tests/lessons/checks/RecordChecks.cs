@@ -112,7 +112,7 @@ namespace NetMQExample.Tests
             client.Run(Of(name, 1), 0, answer => answer());
         }
 
-        private static MessageArray Array(string dtype, params double[] numbers)
+        public static MessageArray Array(string dtype, params double[] numbers)
         {
             var bytes = numbers.SelectMany(number => dtype switch
             {

@@ -104,7 +104,7 @@ namespace NetMQExample.Tests
             Client(new JobClient(Endpoint), "request", it => it.Watch(null).First(),
                 it => it.Watch(hi).First());
             Client(new EnvironmentClient(Endpoint), "", null,
-                it => it.Run(new Simulator(new CartPole()), 1, answer => answer()));
+                it => it.Run(new SceneSimulator("CartPole", 0.02, new[] { new CartPole() }), 1, answer => answer()));
             Client(new MessageDealer(Endpoint), "", null, it => it.Send(hi, default),
                 it => it.Receive(second, default));
             Client(new ViewSender(Endpoint), "", null);
@@ -160,9 +160,9 @@ namespace NetMQExample.Tests
             if (type == typeof(TimeSpan)) return TimeSpan.FromSeconds(1);
             if (type == typeof(object)) return new CoinCar("x");
             if (type == typeof(Func<NetMQSocket>)) return (Func<NetMQSocket>)(() => new DealerSocket());
-            if (type == typeof(Locator)) return new CoinCar("x").State.Scope;
+            if (type == typeof(Locator)) return new CoinCar("x").AgentState.Scope;
             if (type.IsValueType) return Activator.CreateInstance(type);
-            if (type == typeof(ISimulation[])) return new ISimulation[] { new CartPole() };
+            if (type == typeof(IReadOnlyList<IAgent>)) return new[] { new CartPole() };
             if (type.IsArray) return Array.CreateInstance(type.GetElementType(), 0);
             if (type == typeof(Transform)) return new GameObject("x").transform;
             if (typeof(Component).IsAssignableFrom(type)) return new GameObject("x").AddComponent(type);

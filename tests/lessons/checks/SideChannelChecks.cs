@@ -163,7 +163,7 @@ namespace NetMQExample.Tests
         {
             Academy.Instance.Begin((kind, values) => { });
             using var client = new EnvironmentClient(endpoint, TimeSpan.FromSeconds(20), Console.WriteLine);
-            client.Run(new SideChannelSimulator(new Simulator(new Moon())), 0, answer => answer());
+            client.Run(new SideChannelSimulator(new SceneSimulator("Moon", 0.02, new[] { new Moon() })), 0, answer => answer());
         }
 
         private static void Pictures(string endpoint, int count)
@@ -198,31 +198,22 @@ namespace NetMQExample.Tests
     }
 
     // It sees the gravity that its reset knew of, and records each action.
-    internal sealed class Moon : ISimulation
+    internal sealed class Moon : PlainAgent
     {
         private double gravity;
 
-        public string Name => "Moon";
+        public override GymSpace Observation { get; } = GymSpace.Box(new[] { 0.0 }, new[] { 100.0 });
 
-        public double Dt => 0.02;
+        public override GymSpace Action { get; } = GymSpace.Discrete(9);
 
-        public int StateSize => 1;
+        protected override int StateSize => 1;
 
-        public GymSpace Observation { get; } = GymSpace.Box(new[] { 0.0 }, new[] { 100.0 });
+        public override void OnReset() => gravity =
+            FirstState.Length + Academy.Instance.EnvironmentParameters.GetWithDefault("gravity", 9.75f);
 
-        public GymSpace Action { get; } = GymSpace.Discrete(9);
-
-        public void ResetWorld(RandomGenerator random, IReadOnlyDictionary<string, object> options, double[] state) =>
-            gravity = state.Length + Academy.Instance.EnvironmentParameters.GetWithDefault("gravity", 9.75f);
-
-        public void Apply(SpaceReader action) =>
+        public override void OnAction(SpaceReader action) =>
             Academy.Instance.StatsRecorder.Add("action", (float)action[0], StatAggregationMethod.Sum);
 
-        public void Observe(SpaceWriter seen) => seen.Add(gravity);
-
-        public (double Reward, bool Terminated, bool Truncated) RewardAndEnd(IDictionary<string, object> info) =>
-            (0, false, false);
-
-        public MessageArray Render() => throw new NotSupportedException();
+        public override void Observe(SpaceWriter seen) => seen.Add(gravity);
     }
 }

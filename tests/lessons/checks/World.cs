@@ -23,49 +23,49 @@ namespace NetMQExample.Tests
         {
             Agents.AddRange(names.DefaultIfEmpty("a b c").SelectMany(name => name.Split(' '))
                 .Select(name => new Told(name)));
-            var simulator = new SceneSimulator("World", 0.5, Agents, Others);
+            var simulator = new SceneSimulator("World", 0.5, Agents, sensors: Others);
             simulator.OnInfo += info => simulator.SendInfo($"heard {info}");
             using var client = new EnvironmentClient(endpoint, TimeSpan.FromSeconds(20), Console.WriteLine);
             client.Run(simulator, 0, answer => answer());
         }
     }
 
-    internal sealed class Told : IAgent
+    internal sealed class Told : PlainAgent
     {
         private static readonly char[] Blank = { ' ' };
 
         [Discrete] private int ticks;
         private int last;
 
-        public Told(string name) => State = new AgentState(name, this, name == "b" ? 3 : 1);
+        public Told(string name) : base(name, name == "b" ? 3 : 1)
+        {
+        }
 
-        public AgentState State { get; }
-
-        public void OnReset()
+        public override void OnReset()
         {
             (ticks, last) = (0, 0);
             World.Others.Clear();
-            if (State.Options.Count == 0 && State.Name != "a") return;
-            State.SendInfo(State.RandomGenerator.Next());
-            State.SendInfo(State.Options);
+            if (Options.Count == 0 && Name != "a") return;
+            SendInfo(Rng.Next());
+            SendInfo(Options);
         }
 
-        public void OnTick(double dt)
+        public override void OnTick(double dt)
         {
             ticks += dt == 0.5 ? 1 : 100;
             if (last == 0 || ticks < last) return;
-            State.AddReward(1);
-            State.Terminate();
+            AddReward(1);
+            Terminate();
         }
 
-        public void OnInfo(object info)
+        public override void OnInfo(object info)
         {
             if (info is string text && text.Contains(' ')) OnAction(text);
             else if (info is string word && (word == "terminate" || word == "truncate")) OnAction(word);
-            else State.SendInfo(info);
+            else SendInfo(info);
         }
 
-        public void OnAction(object action)
+        public override void OnAction(object action)
         {
             var words = ((string)action).Split(Blank, StringSplitOptions.RemoveEmptyEntries);
             var rest = words.Skip(1).ToArray();
@@ -73,13 +73,13 @@ namespace NetMQExample.Tests
             World.Others.Clear();
             switch (words.FirstOrDefault())
             {
-                case "terminate": State.Terminate(); break;
-                case "truncate": State.Truncate(); break;
-                case "reward": State.AddReward(Number(rest[0])); break;
-                case "all": State.SetReward(Number(rest[0])); break;
-                case "info": State.SendInfo(rest[0]); break;
+                case "terminate": Terminate(); break;
+                case "truncate": Truncate(); break;
+                case "reward": AddReward(Number(rest[0])); break;
+                case "all": SetReward(Number(rest[0])); break;
+                case "info": SendInfo(rest[0]); break;
                 case "draw":
-                    State.SendInfo(World.Agents.First(one => one.State.Name == rest[0]).State.RandomGenerator.Next());
+                    SendInfo(World.Agents.First(one => one.AgentState.Name == rest[0]).AgentState.Rng.Next());
                     break;
                 case "until": last = (int)Number(rest[0]); break;
                 case "leave": World.Agents.Remove(this); break;
@@ -104,7 +104,7 @@ namespace NetMQExample.Tests
             World.Others.AddRange(new AgentState("a", new Odd { Number = value }).Sources);
 
         private void See(string locator, Func<object> read) =>
-            World.Others.Add(AgentState.Make("told", locator, "", State.Scope, () => Observed.Of(Of(read()))));
+            World.Others.Add(AgentState.Make("told", locator, "", AgentState.Scope, () => Observed.Of(Of(read()))));
 
         // NaN as an array: as a number it would not leave the house.
         private static object Of(object value) => value is float ? BoxOf.Value(value) : value;
