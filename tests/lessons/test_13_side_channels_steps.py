@@ -18,70 +18,34 @@ MOON = f"""
 import sys
 sys.path.insert(0, {str(ROOT / "python")!r})
 import numpy as np
-from netmq_example.scene.simulator import EnvironmentClient
+from netmq_example.scene import Agent, EnvironmentClient, Scene, SceneSimulator, SideChannelSimulator
 from netmq_example.mlagents_envs.side_channel.environment_parameters_channel import EnvironmentParametersChannel
 from gymnasium.spaces import Box, Discrete
-from netmq_example.messages import MessageError
 from netmq_example.mlagents_envs.side_channel import OutgoingMessage
 from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
-from netmq_example.scene.simulation import Simulation
-from netmq_example.scene.simulator import Simulator
 from netmq_example.mlagents_envs.side_channel.stats_side_channel import StatsSideChannel
-from netmq_example.scene.side_channels import SideChannelSimulator
 
 class Parameters(EnvironmentParametersChannel):
     gravity = 9.75
     def on_message_received(self, msg):
         name, kind, self.gravity = msg.read_string(), msg.read_int32(), msg.read_float32()
 
-class Moon(Simulation):
-    name, dt, size, observation, action = "Moon", 0.02, 1, Box(0, 100, (1,)), Discrete(9)
-    def reset(self, rng, options, state):
-        self.gravity = len(state) + parameters.gravity
-    def apply(self, action):
+class Moon(Agent):
+    state_size, observation, action = 1, Box(0, 100, (1,)), Discrete(9)
+    def on_reset(self):
+        self.gravity = len(self.state) + parameters.gravity
+    def on_action(self, action):
         message = OutgoingMessage()
         message.write_string("action")
         message.write_float32(float(action))
         message.write_int32(2)
         stats.queue_message_to_send(message)
     def observe(self):
-        return np.array([self.gravity], np.float32)
-    def reward_and_end(self):
-        return dict(reward=0, terminated=False, truncated=False)
+        return [self.gravity]
 
-parameters, stats, simulator = Parameters(), StatsSideChannel(), Simulator(Moon())
-if "--areas" in sys.argv:
-    from netmq_example.scene.areas import AreaSimulator
-    simulator = AreaSimulator([Moon(), Moon()])
-if "--lesson-10" in sys.argv:
-    from netmq_example.scene.simulation import AgentSimulation
-    from netmq_example.scene.agents import AgentSimulator
-
-    class Game(AgentSimulation):
-        name, dt, agents, moon = "Moon", 0.02, dict(a=(Moon.observation, Moon.action)), Moon()
-        def reset(self, rng, options):
-            self.moon.reset(rng, options, [])
-        def apply(self, actions):
-            self.moon.apply(actions["a"])
-        def observe(self, agent):
-            return self.moon.observe()
-        def reward_and_end(self, agent):
-            return self.moon.reward_and_end()
-
-    simulator = AgentSimulator(Game())
-if "--lesson-11" in sys.argv:
-    from typing import Annotated
-    from netmq_example.scene.scene import Agent, Obs
-    from netmq_example.scene.scene import SceneSimulator
-
-    class Lander(Agent, Moon):
-        gravity: Annotated[float, Obs()] = 0.0
-        def on_reset(self):
-            self.gravity = parameters.gravity
-        def on_action(self, action):
-            self.apply(action)
-
-    simulator = SceneSimulator("Moon", 0.02, [Lander("a")])
+count = int(sys.argv[sys.argv.index("--count") + 1]) if "--count" in sys.argv else 1
+parameters, stats = Parameters(), StatsSideChannel()
+simulator = SceneSimulator(Scene("Moon", [Moon("a") for _ in range(count)]))
 if "--without" not in sys.argv:
     simulator = SideChannelSimulator(simulator, SideChannelManager([parameters, stats]))
 EnvironmentClient(sys.argv[sys.argv.index("--endpoint") + 1], timeout=20).run(simulator)
@@ -92,18 +56,17 @@ EnvironmentClient(sys.argv[sys.argv.index("--endpoint") + 1], timeout=20).run(si
 def moon(make, tmp_path):
     """moon(*words): an environment that launches such a simulator, and its channels."""
     pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
-    from netmq_example.envs.gym_env import ZmqEnv
-    from netmq_example.envs.side_channels import carry
+    from netmq_example.envs import UnityGymEnv, carry
     from netmq_example.mlagents_envs.side_channel.environment_parameters_channel import EnvironmentParametersChannel
     from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
     from netmq_example.mlagents_envs.side_channel.stats_side_channel import StatsSideChannel
 
     (tmp_path / "moon.py").write_text(MOON, encoding="utf-8")
 
-    def made(*words, kind=ZmqEnv, **more):
+    def made(*words, kind=UnityGymEnv, **more):
         parameters, stats, said = EnvironmentParametersChannel(), StatsSideChannel(), []
         launch = [str(word) for word in words or (PYTHON, tmp_path / "moon.py")]
-        env = make(kind, name="Moon", launch=launch, **more)
+        env = make(kind, env_name="Moon", launch=launch, **more)
         carry(env, SideChannelManager([parameters, stats], said.append))
         return env, parameters, stats, said
 
@@ -123,7 +86,7 @@ def test_what_is_set_before_a_reset_is_there_in_it_and_what_a_step_records_comes
     assert env.reset(seed=1, options={"state": [0.0]})[0] == 2.5, "the state is an array of its own"
     for action in (3, 5):
         seen, reward, *_, info = env.step(action)
-        assert (seen, reward, info) == (1.5 + 1, 0.0, {})
+        assert (seen, reward, info) == (1.5 + 1, 0.0, {"env": [], "agent": []})
         assert stats.get_and_reset_stats() == {"action": [(float(action), 2)]}
     parameters.set_float_parameter("gravity", 4.0)
     env.step(0)
@@ -157,37 +120,22 @@ def test_what_was_said_to_a_lost_simulator_is_said_to_the_next_one(moon):
     assert env.reset(seed=1)[0] == 3.5
 
 
-def test_areas_of_lesson_10_carry_them_as_well(moon, tmp_path):
-    from netmq_example.envs.vector_env import ZmqVectorEnv
+def test_many_agents_carry_them_as_well(moon, tmp_path):
+    pytest.importorskip("pettingzoo", reason="lesson 10 needs pettingzoo: kit.py run 10 installs it")
+    from netmq_example.envs import UnityParallelEnv, UnityVectorEnv
 
-    words = PYTHON, tmp_path / "moon.py", "--areas"
-    env, parameters, stats, said = moon(*words, kind=ZmqVectorEnv, num_envs=2)
+    words = PYTHON, tmp_path / "moon.py", "--count", "2"
+    env, parameters, stats, said = moon(*words, kind=UnityVectorEnv, num_envs=2)
     parameters.set_float_parameter("gravity", 1.5)
     assert env.reset(seed=1)[0].tolist() == [[1.5], [1.5]]
     env.step(env.action_space.dtype.type([3, 5]))
     assert stats.get_and_reset_stats() == {"action": [(3.0, 2), (5.0, 2)]}
-    assert said == []
-
-
-@pytest.mark.parametrize("lesson", ["10", "11"])
-def test_agents_of_lessons_10_and_11_carry_them_as_well(lesson, moon, tmp_path):
-    pytest.importorskip("pettingzoo", reason="lesson 10 needs pettingzoo: kit.py run 10 installs it")
-    from gymnasium.spaces import Box, Dict, Discrete
-
-    from netmq_example.envs.parallel_env import ZmqParallelEnv
-    from netmq_example.envs.unity_parallel_env import UnityParallelEnv
-
-    def scene(name, launch):
-        return UnityParallelEnv(name, {"a": Dict(gravity=Box(0, 100, (1,)))}, {"a": Discrete(9)}, launch=launch)
-
-    kind = ZmqParallelEnv if lesson == "10" else scene
-    env, parameters, stats, said = moon(PYTHON, tmp_path / "moon.py", f"--lesson-{lesson}", kind=kind)
+    env, parameters, stats, others = moon(*words, kind=UnityParallelEnv)
     parameters.set_float_parameter("gravity", 1.5)
-    seen = env.reset(seed=1)[0]["a"]
-    assert (seen if lesson == "10" else seen["gravity"]) == 1.5
-    env.step({"a": 3})
-    assert stats.get_and_reset_stats() == {"action": [(3.0, 2)]}
-    assert said == []
+    assert env.reset(seed=1)[0] == {"a_0": 1.5, "a_1": 1.5}
+    env.step({"a_0": 3, "a_1": 5})
+    assert stats.get_and_reset_stats() == {"action": [(3.0, 2), (5.0, 2)]}
+    assert said == others == []
 
 
 def test_a_vector_that_gymnasium_makes_is_refused_with_the_cure():
@@ -195,24 +143,23 @@ def test_a_vector_that_gymnasium_makes_is_refused_with_the_cure():
     from netmq_example.envs.side_channels import carry
 
     envs = gymnasium.vector.SyncVectorEnv([lambda: gymnasium.make("CartPole-v1")])
-    with pytest.raises(TypeError, match=r"^SyncVectorEnv is not of lessons 09 to 11: carry where each environment"):
+    with pytest.raises(TypeError, match=r"^SyncVectorEnv is not of this package: carry where each environment"):
         carry(envs, None)
 
 
-def test_a_simulator_without_side_channels_is_named_with_the_cure(moon, tmp_path):
-    from netmq_example.messages import MessageError
-
+def test_a_simulator_without_side_channels_is_one_line_with_the_cure(moon, tmp_path, caplog):
     env, parameters, _, _ = moon(PYTHON, tmp_path / "moon.py", "--without")
     for _ in range(2):
-        with pytest.raises(MessageError, match=r"is the simulator in a SideChannelSimulator\?$"):
-            env.reset(seed=1)
+        assert env.reset(seed=1)[0] == 9.75
         parameters.set_float_parameter("gravity", 1.5)
+    (line,) = [line for line in caplog.messages if "side-channels" in line]
+    assert line.endswith("; is the simulator in a SideChannelSimulator?")
 
 
 def test_a_cut_exchange_is_a_line_and_the_step_is_done(moon, capfd):
     env, _, _, said = moon()
     env.reset(seed=1)
-    env.connection.ask.__self__.unsent = b"cut"
+    env.simulators.ask.__self__.unsent = b"cut"
     assert env.step(1)[0] == 9.75
     assert said == []
     env.close()
