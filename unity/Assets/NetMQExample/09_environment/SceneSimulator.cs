@@ -397,12 +397,15 @@ namespace NetMQExample
         {
             var picture = new Message("picture", id);
             var all = World?.Render();
-            if (all != null) picture.Arrays.Add(all);
-            else
-                picture.Arrays.AddRange(roster.Rows.Where(row => row.Present).Select(row => row.Agent.Render())
-                    .Where(one => one != null));
-            return picture.Arrays.Count > 0 ? picture : throw new MessageException("no-picture",
+            var each = all != null
+                ? new[] { all }
+                : roster.Rows.Select(row => row.Present ? row.Agent.Render() : null).ToArray();
+            var drawn = Array.Find(each, one => one != null) ?? throw new MessageException("no-picture",
                 $"{Name} draws none: override Render, or tell check_env skip_render_check=True");
+            // Whoever is away, or draws nothing, is black: a picture for each row.
+            foreach (var one in each)
+                picture.Arrays.Add(one ?? new MessageArray(drawn.Dtype, new byte[drawn.Data.Length], drawn.Shape));
+            return picture;
         }
 
         private void Unheard(object said)
