@@ -8,9 +8,8 @@ public sealed class Looker : Agent
 {
     [Discrete] private int steps;
 
-    protected override void Awake()
+    private void Awake()
     {
-        base.Awake();
         GameObject.CreatePrimitive(PrimitiveType.Cube).transform.SetParent(transform, false);
         foreach (var (name, away) in new[] { ("Main Camera", -9f), ("front", -6f) })
         {

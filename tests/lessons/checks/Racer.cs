@@ -44,11 +44,7 @@ public class Racer : Agent
         else m_NickName = (string)info;
     }
 
-    protected override void Awake()
-    {
-        base.Awake();
-        s_Loads++;
-    }
+    private void Awake() => s_Loads++;
 
     private void Update()
     {

@@ -149,9 +149,6 @@ namespace NetMQExample
         /// <summary>Tells Python something, with the next answer.</summary>
         public void SendInfo(object info) => Own.SendInfo(info);
 
-        /// <summary>Is made. An override calls base.Awake().</summary>
-        protected virtual void Awake() { }
-
         /// <summary>Comes. An override calls base.OnEnable().</summary>
         protected virtual void OnEnable()
         {

@@ -50,10 +50,8 @@ namespace NetMQExample
             // There is no third way: whoever does not push to the right pushes to the left.
             ArrowKeys.Horizontal > 0 ? 1L : 0L;
 
-        /// <inheritdoc/>
-        protected override void Awake()
+        private void Awake()
         {
-            base.Awake();
             cart = Cube.Make(new Vector3(0.8f, 0.5f, 0.5f), null, transform);
             pole = Cube.Make(new Vector3(0.1f, 2, 0.1f), null, transform);
             Cube.Make(new Vector3(5, 0.05f, 0.1f), null, transform);

@@ -44,10 +44,8 @@ namespace NetMQExample
             Show();
         }
 
-        /// <inheritdoc/>
-        protected override void Awake()
+        private void Awake()
         {
-            base.Awake();
             body = Cube.Make(Vector3.one, new Color32(200, 30, 30, 255));
             var eye = new GameObject("Eye").AddComponent<Camera>();
             // The whole field: half of it is 5 m, and 60 degrees from edge to edge.
