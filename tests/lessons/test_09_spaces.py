@@ -277,7 +277,7 @@ def stepped(name, row):
 # Each is no row of its space.
 NO_ROWS = {
     "pair": [struct.pack("<2f", *pair) for pair in ((1.1, 0), (0, -2.1), (np.nan, 0), (np.inf, 0))],
-    "float64": [struct.pack("<2d", *pair) for pair in ((np.nan, 0), (0, np.nextafter(1, 2)), (0, np.inf))],
+    "float64": [struct.pack("<2d", *pair) for pair in ((np.nan, 0), (0, 1.0000001), (0, np.inf))],
     "uint8": [b"\0\2", b"\3\xc9"],
     "uint16": [struct.pack("<2H", 0, 6), struct.pack("<2H", 0, 8)],
     "int32": [struct.pack("<2i", 0, 6), struct.pack("<2i", 0, -6)],
