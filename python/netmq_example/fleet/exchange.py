@@ -131,7 +131,7 @@ class Exchange:
 
     def again(self, area: int, answer: Record) -> Part | None:
         """What this area is asked once more: its own resets, where the trainer has left them to the simulator."""
-        if area in self.ended:
+        if area in self.ended or not (self.last or self.autoreset):
             return None
         asked = self.request.sections
         if self.areas > 1:

@@ -187,9 +187,11 @@ class Trainer:
         if self.exchange:
             return self.exchange.joined(answers)
         arrays = [array for answer in answers.values() for array in answer.arrays]
+        if self.request.kind == "info":
+            return Message("told", self.request.id)
         if self.areas > 1 and len(arrays) != self.areas:
             raise MessageError("no-picture", f"{len(arrays)} pictures are not one of each of {self.areas} areas")
-        return Message(answers[0].kind, self.request.id, answers[0].values, arrays)
+        return Message("picture", self.request.id, {}, arrays)
 
     def refuse(self, error: MessageError) -> None:
         self.left.clear()

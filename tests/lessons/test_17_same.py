@@ -1,0 +1,284 @@
+"""Lesson 17: over a hub everything is the same as without one, to the last bit, whichever simulators die meanwhile.
+
+The hub, its simulators and the trainer's socket are in this process, without a network.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Annotated, Any
+
+import pytest
+import zmq
+
+gymnasium = pytest.importorskip("gymnasium", reason="lesson 17 needs gymnasium: kit.py run 17 installs it")
+np = pytest.importorskip("numpy", reason="lesson 17 needs numpy: kit.py run 17 installs it")
+
+from gymnasium.vector import AutoresetMode  # noqa: E402
+
+import netmq_example.envs  # noqa: E402
+from netmq_example.envs.common import OtherSide  # noqa: E402
+from netmq_example.envs.side_channels import carry  # noqa: E402
+from netmq_example.fleet.hub import Hub  # noqa: E402
+from netmq_example.fleet.simulator import FleetSimulator  # noqa: E402
+from netmq_example.messages import Message, MessageError  # noqa: E402
+from netmq_example.mlagents_envs.side_channel.environment_parameters_channel import (  # noqa: E402
+    EnvironmentParametersChannel,
+)
+from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager  # noqa: E402
+from netmq_example.mlagents_envs.side_channel.stats_side_channel import StatsSideChannel  # noqa: E402
+from netmq_example.mlagents_envs.unity_channels import EnvironmentParameters, StatsRecorder  # noqa: E402
+from netmq_example.scene import Agent, Obs, Scene, SceneSimulator, SideChannelSimulator  # noqa: E402
+from netmq_example.wire import records  # noqa: E402
+from netmq_example.worlds.cart_pole import DT, CartPole  # noqa: E402
+from netmq_example.worlds.pursuit import Pursuit  # noqa: E402
+
+
+class Fleet(OtherSide):
+    """A hub's socket and a trainer's at once. At these requests a simulator dies, and another one comes."""
+
+    def __init__(self, make, areas, deaths=()):
+        self.make, self.deaths = make, deaths
+        self.simulators, self.asked, self.came = {}, 0, 0
+        self.unanswered, self.heard = deque(), deque()
+        self.hub = Hub(self, timeout=0.5, report=lambda line: self.lines.append(line))
+        self.lines = []
+        for _ in range(areas + bool(deaths)):
+            self.come()
+        for simulator in self.simulators.values():
+            name = simulator.name
+        self.hub.take(b"trainer", Message("join", 0, {"name": name, "areas": areas}).frames())
+
+    def come(self):
+        self.came += 1
+        peer = b"%d" % self.came
+        self.simulators[peer] = FleetSimulator(self.make())
+        self.hub.take(peer, self.simulators[peer].hello().frames())
+
+    def send_multipart(self, frames, flags=0):
+        peer, *message = frames
+        if peer == b"hub":
+            self.hub.take(b"trainer", message)
+        elif peer == b"trainer":
+            self.heard.append([b"hub", *message])
+        elif peer in self.simulators:
+            self.unanswered.append((peer, message))
+        else:
+            raise zmq.ZMQError(zmq.EHOSTUNREACH)
+
+    def recv_multipart(self):
+        while not self.heard:
+            if not self.unanswered:
+                self.hub.ticked = 0.0
+                self.hub.tick()
+                continue
+            peer, message = self.unanswered.popleft()
+            request = records.read_frames(records.ASKS, message)
+            if request.kind == records.ASKS or request.kind in ("render", "info"):
+                self.asked += 1
+                if self.asked in self.deaths:
+                    del self.simulators[peer]
+                    self.hub.lose(peer, "told")
+                    self.come()
+                else:
+                    self.hub.take(peer, self.simulators[peer].answer(request))
+        return self.heard.popleft()
+
+    def getsockopt_string(self, option):
+        return "tcp://127.0.0.1:5567"
+
+
+def alike(one, other):
+    np.testing.assert_equal(plain(one), plain(other))
+
+
+def plain(found):
+    """Without the arrays of arrays, which numpy does not compare."""
+    if isinstance(found, dict):
+        return {name: plain(value) for name, value in found.items()}
+    nested = isinstance(found, (tuple, list)) or (isinstance(found, np.ndarray) and found.dtype == object)
+    return [plain(value) for value in found] if nested else found
+
+
+class Walker(Agent):
+    """By attributes, and with infos; as a scene's agent it says something for the scene, too."""
+
+    name, scene = "walker", None
+    place: Annotated[Any, Obs()] = np.zeros(2)
+    steps: Annotated[int, Obs("['walked'] = $")] = 0
+    said: Annotated[str, Obs()] = ""
+
+    def on_reset(self):
+        self.steps, self.last = 0, 3 + int(9 * self.rng())
+        self.place = np.array([self.rng(), self.options.get("far", 0.0)])
+        self.said = "begun" * int(3 * self.rng())
+        if self.last > 6:
+            self.info = {"last": self.last}
+
+    def on_action(self, action):
+        self.place = self.place + action
+        self.said = "on"
+
+    def on_tick(self, dt):
+        self.steps += 1
+
+    def on_stepped(self):
+        self.reward += float(self.place[0])
+        self.terminated = self.steps == self.last
+        if self.terminated:
+            self.info = {"at": self.place, "after": 0.1 * self.steps}
+
+    def on_info(self, info):
+        self.place = self.place + info
+
+
+SPACES = {
+    "observation_space": gymnasium.spaces.Dict(
+        place=gymnasium.spaces.Box(-99, 99, (2,), np.float64),
+        walked=gymnasium.spaces.Discrete(100),
+        said=gymnasium.spaces.Text(20, min_length=0),
+    ),
+    "action_space": gymnasium.spaces.Box(-1, 1, (2,), np.float64),
+}
+
+
+def walk(*agents):
+    return SceneSimulator(Scene("Walk", agents or [Walker()], 0.1))
+
+
+def poles(*agents):
+    return SceneSimulator(Scene("CartPole", agents or [CartPole()], DT))
+
+
+WORLDS = {
+    "poles": (poles, CartPole, {"env_name": "CartPole", "render_mode": "rgb_array"}),
+    "walkers": (walk, Walker, {"env_name": "Walk", **SPACES}),
+}
+
+
+@pytest.mark.parametrize("deaths", [(), range(23, 9999, 23)])
+@pytest.mark.parametrize("mode", AutoresetMode)
+@pytest.mark.parametrize("world", WORLDS)
+def test_scenes_of_a_hub_are_to_python_what_the_agents_of_one_scene_are(world, mode, deaths, inside, make):
+    simulator, agent, words = WORLDS[world]
+    words = {**words, "autoreset_mode": mode, "max_episode_steps": 9}
+    fleet = Fleet(simulator, 3, deaths)
+    where = {"fleet": fleet}, {"socket": inside(simulator(agent(), agent(), agent())).socket}
+    both = [make(netmq_example.envs.UnityVectorEnv, 3, **words, **each) for each in where]
+    options = {"far": 2.5} if world == "walkers" else {"low": -0.2, "high": 0.2}
+    alike(*(envs.reset(seed=[3, 8, 4], options=options) for envs in both))
+    both[0].action_space.seed(4)
+    ends = np.zeros(3, int)
+    for step in range(40):
+        action = both[0].action_space.sample()
+        seen = [envs.step(action) for envs in both]
+        alike(*seen)
+        alike(*(list(envs.infos) for envs in both))
+        over = seen[0][2] | seen[0][3]
+        ends += over
+        if mode == AutoresetMode.DISABLED and over.any():
+            alike(*(envs.reset(options={"reset_mask": over.copy()}) for envs in both))
+        if world == "poles" and step % 8 == 0:
+            alike(*(envs.render() for envs in both))
+        elif step % 8 == 0:
+            for envs in both:
+                envs.send_info(np.ones(2), "walker_1")
+                envs.send_info(0.5, f"walker_{step % 3}")
+    assert min(ends) >= 3
+    assert not deaths or fleet.hub.count["begun anew"] > 3
+    assert not [line for line in fleet.lines if "goes another way" in line]
+    if world == "poles":
+        for envs in both:
+            with pytest.raises(MessageError, match="bad-state"):
+                envs.reset(options={"state": np.zeros(3)})
+        # It goes on after that.
+        alike(*(envs.reset(options={"state": np.array([0.1, 0, 0, 0])}) for envs in both))
+
+
+@pytest.mark.parametrize("deaths", [(), (30, 99, 180)])
+def test_a_scene_of_several_kinds_is_one_episode_of_a_hub(deaths, inside, make):
+    pytest.importorskip("pettingzoo", reason="lesson 10 needs pettingzoo: kit.py run 10 installs it")
+    fleet = Fleet(lambda: SceneSimulator(Pursuit()), 1, deaths)
+    where = {"fleet": fleet}, {"socket": inside(SceneSimulator(Pursuit())).socket}
+    both = [make(netmq_example.envs.UnityParallelEnv, "Pursuit", **each) for each in where]
+    random = np.random.default_rng(1)
+    for seed in range(2):
+        alike(*(env.reset(seed=seed) for env in both))
+        while both[0].agents:
+            actions = {agent: int(random.integers(5)) for agent in both[0].agents}
+            alike(*(env.step(actions) for env in both))
+    # Of the episode before nothing is kept.
+    assert fleet.hub.count["episodes"] == 2 and bool(fleet.hub.count["begun anew"]) == bool(deaths)
+
+
+def test_agents_of_one_scene_behind_a_hub_begin_anew_one_by_one(inside, make):
+    words = {"autoreset_mode": "SameStep", "max_episode_steps": 9, **WORLDS["walkers"][2]}
+    fleet = Fleet(lambda: walk(Walker(), Walker()), 1, deaths=(30, 90))
+    where = {"fleet": fleet}, {"socket": inside(walk(Walker(), Walker())).socket}
+    both = [make(netmq_example.envs.UnityVectorEnv, 2, **words, **each) for each in where]
+    alike(*(envs.reset(seed=3) for envs in both))
+    for _ in range(30):
+        action = both[0].action_space.sample()
+        alike(*(envs.step(action) for envs in both))
+
+
+class Windy(Agent):
+    """What it sees is a parameter; it tells the channels of each step, and the scene of each begin."""
+
+    name = "leaf"
+    observation, action = gymnasium.spaces.Box(-99, 99, (), np.float64), gymnasium.spaces.Discrete(2)
+    steps = 0
+
+    def __init__(self, parameters, stats):
+        super().__init__()
+        self.parameters, self.stats = parameters, stats
+
+    def on_reset(self):
+        self.steps = 0
+        self.scene.send_info("begun")
+
+    def on_stepped(self):
+        self.steps += 1
+        self.terminated = self.steps == 3
+        self.stats.add("steps", float(self.steps))
+
+    def observe(self):
+        return self.parameters.get_with_default("wind", 0.0) + self.steps
+
+
+def windy():
+    parameters, stats = EnvironmentParameters(), StatsRecorder()
+    leaf = Windy(parameters, stats)
+    leaf.scene = Scene("Leaf", [leaf])
+    return SideChannelSimulator(SceneSimulator(leaf.scene), SideChannelManager([parameters, stats]))
+
+
+def test_side_channels_and_infos_of_the_scene_go_through_the_hub(make):
+    """A simulator that comes later knows what was set before, and nothing is told twice."""
+    fleet = Fleet(windy, 2, range(11, 99, 11))
+    envs = make(netmq_example.envs.UnityVectorEnv, 2, "Leaf", autoreset_mode="SameStep", fleet=fleet)
+    parameters, stats = EnvironmentParametersChannel(), StatsSideChannel()
+    carry(envs, SideChannelManager([parameters, stats]))
+    parameters.set_float_parameter("wind", 10.0)
+    seen, infos = envs.reset(seed=1)
+    assert seen.tolist() == [10, 10] and infos["env"].tolist() == [["begun"]] * 2
+    for step in range(1, 13):
+        if step == 7:
+            parameters.set_float_parameter("wind", 20.0)
+        seen, _, terminated, _, infos = envs.step(np.array([0, 1]))
+        assert seen.tolist() == [step % 3 + (10 if step < 7 else 20)] * 2
+        assert terminated.all() == (step % 3 == 0) and ("env" in infos) == terminated.all()
+    counted = [value for value, _ in stats.get_and_reset_stats()["steps"]]
+    assert sorted(counted) == sorted([1.0, 2.0, 3.0] * 8) and fleet.came > 5
+
+
+def test_what_a_hub_has_not_is_refused_in_a_line(make):
+    said = Message.read(Fleet(lambda: walk(Walker(), Walker()), 3).recv_multipart()[1:]).values
+    cure = "take FleetSocket(…, 1) for an environment of these agents, and several of both"
+    assert said == {"code": "several-agents", "text": f"a scene of 2 agents is no row of 3: {cure}"}
+    fleet = Fleet(poles, 2)
+    make(netmq_example.envs.UnityVectorEnv, 2, "CartPole", fleet=fleet)
+    for bits, code in (records.SCENE_CLOCK, "scenes-clock"), (records.REAL_TIME, "real-time"):
+        section = records.Section(0, bytes(16), bytes([records.RESET] * 2))
+        fleet.send_multipart([b"hub", *records.Record(records.ASKS, 20 + bits, [section], bits).frames()])
+        assert Message.read(fleet.recv_multipart()[1:]).values["code"] == code
