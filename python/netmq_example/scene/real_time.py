@@ -9,7 +9,7 @@ from collections.abc import Callable
 from typing import Any
 
 from netmq_example.scene.agent import Agent
-from netmq_example.scene.exchange import Exchange
+from netmq_example.scene.steps import Steps
 from netmq_example.wire.records import RESET
 
 # More than that is not made up for when Python, or the whole computer, has slept.
@@ -36,7 +36,7 @@ class RealTime:
         self.next = self.clock() + self.dt
         self.acting = []
 
-    def step(self, exchange: Exchange) -> int:
+    def step(self, exchange: Steps) -> int:
         """How many steps agents have done."""
         steps = 0
         if exchange.acting:

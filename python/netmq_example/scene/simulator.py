@@ -26,10 +26,12 @@ import numpy as np
 
 from netmq_example import arguments, check
 from netmq_example.messages import Array, Message, MessageError
-from netmq_example.scene.exchange import Asked, Exchange, info_of
+from netmq_example.scene.exchange import Exchange
+from netmq_example.scene.infos import info_of
 from netmq_example.scene.real_time import RealTime
 from netmq_example.scene.roster import Roster
 from netmq_example.scene.scene import Scene
+from netmq_example.scene.steps import Asked
 from netmq_example.wire import trees
 from netmq_example.wire.records import ANSWERS, REAL_TIME, SCENE_CLOCK, Record
 from netmq_example.wire.spaces import exactly
