@@ -97,8 +97,11 @@ namespace NetMQExample
         private static (string Name, int Number) Split(string name)
         {
             var at = name.LastIndexOf('_');
-            return at > 0 && int.TryParse(name.Substring(at + 1), NumberStyles.None, CultureInfo.InvariantCulture,
-                out var number) ? (name.Substring(0, at), number) : (name, -1);
+            var digits = name.Substring(at + 1);
+            // 07 is a name, since row 7 is called 7.
+            return at > 0 && (digits == "0" || !digits.StartsWith("0", StringComparison.Ordinal))
+                && int.TryParse(digits, NumberStyles.None, CultureInfo.InvariantCulture, out var number)
+                ? (name.Substring(0, at), number) : (name, -1);
         }
 
         private void Add(string name, List<IAgent> own)

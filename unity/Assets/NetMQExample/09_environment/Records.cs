@@ -81,6 +81,9 @@ namespace NetMQExample
         /// <summary>Whether agents that end begin anew within this exchange.</summary>
         public bool Autoreset { get; private set; }
 
+        /// <summary>Whether the scene itself says when Python is asked, as in ML-Agents.</summary>
+        public bool SceneClock { get; private set; }
+
         /// <summary>Whether time passes by the clock.</summary>
         public bool RealTime { get; private set; }
 
@@ -116,9 +119,7 @@ namespace NetMQExample
             long options = BitConverter.ToUInt32(bytes.Slice(16)), exchange = BitConverter.ToUInt32(bytes.Slice(20));
             if (bits > 15 || Count == 0 || BitConverter.ToUInt32(bytes.Slice(4)) != 0 || Id >> 53 != 0)
                 throw Bad($"id {Id}, bits {bits} and {Count} sections cannot be");
-            if ((bits & 4) != 0)
-                throw new MessageException("wrong-clock",
-                    "this simulator goes by Python's clock, and not by the scene's");
+            SceneClock = (bits & 4) != 0;
             HasExchange = (bits & 1) != 0;
             Autoreset = (bits & 2) != 0;
             RealTime = (bits & 8) != 0;

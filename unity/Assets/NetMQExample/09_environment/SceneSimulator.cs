@@ -163,7 +163,12 @@ namespace NetMQExample
             AgentState.Inside = true;
             try
             {
+                if (request.SceneClock)
+                    throw new MessageException("wrong-clock",
+                        "this simulator goes by Python's clock, and not by the scene's");
                 if (!again) Act(request);
+                // A frame has passed, for which those without a row have waited.
+                else roster.Settle(Loading);
                 if (!stepped)
                 {
                     if (NeedsFrame()) return false;
@@ -246,10 +251,10 @@ namespace NetMQExample
                 row.Last = null;
             }
             for (var i = 0; i < request.Count; i++) Ask(request, request[i]);
-            var alone = idle ? null : roster.Kinds.Find(kind => !kind.Asked);
-            if (alone == null) return;
+            if (idle || request.Count == roster.Kinds.Count) return;
             idle = true;
-            Warn($"trouble: nobody asks for {alone.Name}: agents of that name stand still");
+            var names = roster.Kinds.Where(kind => !kind.Asked).Select(kind => kind.Name);
+            Warn($"nobody asks for {string.Join(", ", names)}: they stand still");
         }
 
         private void Ask(StepRequest request, RequestSection section)
@@ -287,15 +292,14 @@ namespace NetMQExample
             roster.Settle(Loading);
             LookForLate();
             Loading = false;
-            var resets = request.Has(Order.Reset);
-            for (var i = 0; i < request.Count; i++) End(roster.Kinds[request[i].Kind], request.Autoreset, resets, answer);
+            for (var i = 0; i < request.Count; i++) End(roster.Kinds[request[i].Kind], request.Autoreset, answer);
             var begun = steps.Begin(request.Autoreset ? hasEnded : isOrdered, request.Options, request[0].Seed(0));
             Episodes += begun;
             if (begun > 0 && !request.Steps) real.Restart();
             return begun > 0;
         }
 
-        private void End(AgentKind kind, bool autoreset, bool resets, StepAnswer answer)
+        private void End(AgentKind kind, bool autoreset, StepAnswer answer)
         {
             shown.Clear();
             foreach (var row in kind.Rows)
@@ -308,7 +312,7 @@ namespace NetMQExample
             if (!autoreset)
             {
                 // Before others begin, which might change what it sees.
-                if (resets) foreach (var row in shown) row.Last = seen.One(kind, row);
+                foreach (var row in shown) row.Last = seen.One(kind, row);
                 return;
             }
             answer.BeginSection(kind.Place, shown.Count, Columns.Who | Columns.Ended);
