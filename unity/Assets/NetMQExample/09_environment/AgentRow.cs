@@ -75,8 +75,11 @@ namespace NetMQExample
 
         public bool Steps => Order == Order.Step || Order == Order.Last;
 
-        /// <summary>Whether it ticks: it is there, has begun, and is not over.</summary>
-        public bool Lives => Present && Begun && !Born && !State.Over;
+        /// <summary>Whether it is there, in an episode, which may be over by now.</summary>
+        public bool Plays => Present && Begun && !Born;
+
+        /// <summary>Whether it ticks.</summary>
+        public bool Lives => Plays && !State.Over;
 
         /// <summary>Takes its action, and checks it.</summary>
         public void Read(ReadOnlyMemory<byte> action, object form, bool keep)

@@ -278,7 +278,7 @@ namespace NetMQExample
                     throw new MessageException("wrong-agents",
                         $"{row.Name} is over, or has not begun: reset comes first");
                 // One that has left does not act, and the answer says so.
-                if (row.Steps && row.Lives) row.Read(section.Row(i), form, request.RealTime);
+                if (row.Steps && row.Plays) row.Read(section.Row(i), form, request.RealTime);
                 if (row.Order != Order.Reset || !first) continue;
                 first = false;
                 // What is wrong with them is said before anything moves.

@@ -46,7 +46,8 @@ namespace NetMQExample
         public int Step(bool real = false)
         {
             acting.Clear();
-            foreach (var row in roster.Rows) if (row.Lives && row.Kind.Asked && (row.Acts || real)) acting.Add(row);
+            foreach (var row in roster.Rows)
+                if (row.Kind.Asked && (real ? row.Lives : row.Acts && row.Plays)) acting.Add(row);
             var ticks = real ? 1 : 0;
             foreach (var row in acting)
             {

@@ -42,24 +42,16 @@ namespace NetMQExample
 
         public bool IsSingle => Shape.Length == 0;
 
-        /// <summary>Reads a row into the numbers from a place on; false: it is not in the space. A number that is a
-        /// rounding step outside its limits is the limit, and then <paramref name="moved"/> is true.</summary>
-        public bool Read(ReadOnlySpan<byte> row, double[] numbers, int at, ref bool moved)
+        /// <summary>Reads a row into the numbers from a place on; false: it is not in the space.</summary>
+        public bool Read(ReadOnlySpan<byte> row, double[] numbers, int at)
         {
             var inside = true;
             for (var i = 0; i < low.Length; i++)
             {
                 var number = Get(form, row.Slice(i * itemSize, itemSize));
-                // NaN is not between any two numbers.
-                if (limited && !(number >= low[i] && number <= high[i]))
-                {
-                    var limit = number < low[i] ? low[i] : high[i];
-                    var step = form == Form.Float32 ? 5e-7 : form == Form.Float64 ? 1e-15 : 0;
-                    if (Math.Abs(number - limit) <= Math.Abs(limit) * step) moved = true;
-                    else inside = false;
-                    if (inside) number = limit;
-                }
                 numbers[at + i] = number;
+                // NaN is not between any two numbers.
+                inside &= !limited || (number >= low[i] && number <= high[i]);
             }
             return inside;
         }

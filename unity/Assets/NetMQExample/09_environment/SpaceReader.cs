@@ -45,11 +45,11 @@ namespace NetMQExample
                 return;
             }
             if (row.Length != space.Size) throw NotInSpace($"{row.Length} bytes are");
-            bool inside = true, moved = false;
+            var inside = true;
             var bytes = row.Span;
             for (int i = 0, at = 0, from = 0; i < parts.Length; i++)
             {
-                inside &= parts[i].Read(bytes.Slice(from, parts[i].Size), numbers, at, ref moved);
+                inside &= parts[i].Read(bytes.Slice(from, parts[i].Size), numbers, at);
                 at += parts[i].Count;
                 from += parts[i].Size;
             }
@@ -139,12 +139,11 @@ namespace NetMQExample
         {
             var bytes = MessageParts.Take(ref from, part.Size);
             var read = new double[part.Count];
-            var moved = false;
-            if (!part.Read(bytes.Span, read, 0, ref moved)) throw NotInSpace($"{GymSpace.Shown(read)} is");
+            if (!part.Read(bytes.Span, read, 0)) throw NotInSpace($"{GymSpace.Shown(read)} is");
             if (part.IsSingle) return part.Dtype == "int64" ? (object)BitConverter.ToInt64(bytes.Span) : read[0];
             // The received array goes with its message; and a message has no int8.
-            return moved || part.Dtype == "int8"
-                ? SpaceNumbers.Array(moved ? part.Dtype : "int32", read, part.Shape)
+            return part.Dtype == "int8"
+                ? SpaceNumbers.Array("int32", read, part.Shape)
                 : new MessageArray(part.Dtype, bytes.ToArray(), part.Shape);
         }
 
