@@ -69,8 +69,9 @@ def code(script: Path) -> str:
 
 
 def plain_code(script: Path) -> str:
-    """A script as the compiler sees it without Unity."""
-    return re.sub(r"#if UNITY_.*?#endif", "", code(script), flags=re.DOTALL)
+    """A script as the compiler sees it without Unity, and without the texts of its errors, which name components."""
+    compiled = re.sub(r"#if UNITY_.*?#endif", "", code(script), flags=re.DOTALL)
+    return re.sub(r'"(?:\\.|[^"\\\n])*"', lambda text: " ".join(["", *re.findall(r"{[^{}]*}", text[0]), ""]), compiled)
 
 
 @functools.cache
@@ -81,8 +82,11 @@ def types(script: Path) -> list[str]:
 
 
 def uses(code: str, name: str) -> bool:
-    """True if the code names this class: `e.Message` does not name the class Message."""
-    return re.search(rf"(?<![\w.]){name}\b", code) is not None
+    """True if the code names this class: `e.Message` does not name the class Message, nor does a member of that name
+    and of another type."""
+    if re.search(rf"\b(?!{name}\b)\w+ {name} {{ get", code):
+        return False
+    return re.search(rf"(?<![\w.]){name}\b(?!:)", code) is not None
 
 
 def unitys_packages(files: dict[str, bytes]) -> dict[str, str]:
