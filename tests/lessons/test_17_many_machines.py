@@ -6,7 +6,6 @@ import re
 import runpy
 import time
 from concurrent.futures import ThreadPoolExecutor
-from functools import partial
 
 import pytest
 import zmq
@@ -18,24 +17,20 @@ from tests.programs import ROOT, finished, free_port, python_runs, steady_endpoi
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 17 needs gymnasium: kit.py run 17 installs it")
 np = pytest.importorskip("numpy", reason="lesson 17 needs numpy: kit.py run 17 installs it")
 
-from gymnasium.vector import AutoresetMode, SyncVectorEnv  # noqa: E402
-
 KEY = "17_many_machines"
 TRAIN = ROOT / "python" / KEY / "train.py"
 import netmq_example.envs  # noqa: E402, F401
 from netmq_example import messages  # noqa: E402
-from netmq_example.envs.side_channels import carry  # noqa: E402
 from netmq_example.fleet.hub import Hub  # noqa: E402
-from netmq_example.fleet.members import Episode, Member  # noqa: E402
+from netmq_example.fleet.members import Episode, Member, Part  # noqa: E402
 from netmq_example.fleet.simulator import FleetSimulator  # noqa: E402
 from netmq_example.fleet.trainer import FleetSocket  # noqa: E402
-from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager  # noqa: E402
-from netmq_example.scene.simulator import Simulator  # noqa: E402
+from netmq_example.scene import Scene, SceneSimulator  # noqa: E402
+from netmq_example.scene.agent import begin  # noqa: E402
 from netmq_example.security import keys  # noqa: E402
-from netmq_example.wire import records  # noqa: E402
-from netmq_example.wire.records import ANSWERS, ASKS, Record, seeds  # noqa: E402
+from netmq_example.wire.records import ANSWERS, ASKS, RESET, STEP, Record, Section, read, seeds  # noqa: E402
 from netmq_example.wire.split_mix import draws  # noqa: E402
-from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
+from netmq_example.worlds.cart_pole import DT, CartPole  # noqa: E402
 
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 ID = "NetMQExample/CartPole-v0"
@@ -45,14 +40,15 @@ STAY = ("--idle", "600")
 
 def returns(episodes):
     """The returns that train.py reaches with each seed, played without a network."""
-    world, found = CartPole(), []
+    pole, found = CartPole(), []
     for seed in range(episodes):
-        world.reset(draws(seed), {}, [])
-        steps, over = 0, False
-        while not over:
-            world.apply(int(world.observe()[2] > 0))
-            steps, over = steps + 1, world.reward_and_end()["terminated"]
-        found.append(steps)
+        begin(pole, draws(seed), {}, [])
+        pole.on_reset()
+        while not pole.terminated:
+            pole.on_action(int(pole.observe()[2] > 0))
+            pole.on_tick(DT)
+            pole.on_stepped()
+        found.append(int(pole.reward))
     return found
 
 
@@ -103,11 +99,6 @@ def train(start):
     return program
 
 
-def without_endpoint(command):
-    at = command.index("--endpoint")
-    return command[:at] + command[at + 2 :]
-
-
 def played(trainer, code=0):
     """The return of each episode."""
     assert trainer.wait() == code, trainer.output
@@ -115,15 +106,19 @@ def played(trainer, code=0):
 
 
 def test_what_is_played_over_the_hub_is_what_is_played_without_also_where_a_simulator_dies(serve, simulators, train):
-    """Its episode is begun anew elsewhere, and counts once."""
+    """Its episode is begun anew elsewhere, and counts once; the trainer says that it waits for that."""
     hub, endpoint = serve(KEY, *STAY, "--late", "600")
     # The hub takes the one that has been free for longest.
     (mortal,) = simulators(endpoint, "python", words=["--crash-after", "20"])
-    simulators(endpoint, *CLIENTS)
-    assert played(train(endpoint, 3, 9)) == returns(9)
+    simulators(endpoint, *CLIENTS[1:])
+    trainer = train(endpoint, 3, 9)
     assert mortal.wait() == 1
     assert mortal.lines[-1] == "crash after 20 steps, as told"
     hub.wait_for(r"^simulator 1 is gone: its connection is$")
+    trainer.wait_for("^1 of 3 episodes wait for a simulator: start one, if none comes$")
+    simulators(endpoint, "python")
+    assert played(trainer) == returns(9)
+    assert trainer.lines.count("each episode has a simulator again") == 1
     hub.wait_for(r", 1 begun anew, 0 asked elsewhere$")
 
 
@@ -160,13 +155,13 @@ def test_a_client_does_as_it_is_told_and_says_hello_again_to_a_silent_hub(kind, 
         assert len(peers) == 2
         if kind == "unity":
             return
-        for number, order in enumerate([records.RESET, *[records.STEP] * 3], 1):
-            begin = time.monotonic()
-            request = Record(ASKS, number, seeds([3]), [order], [bytes(8) if order == records.STEP else b""])
-            hub.send_multipart([peer, request.frame()])
+        for number, order in enumerate([RESET, *[STEP] * 3], 1):
+            began = time.monotonic()
+            section = Section(0, seeds([3]), bytes([order]), values=bytes(8 * (order == STEP)))
+            hub.send_multipart([peer, Record(ASKS, number, [section]).frame()])
             if number < 4:
-                assert records.read(ANSWERS, hub.recv_multipart()[1]).id == number
-                assert time.monotonic() - begin > 0.29 * (order == records.STEP)
+                assert read(ANSWERS, hub.recv_multipart()[1]).id == number
+                assert time.monotonic() - began > 0.29 * (order == STEP)
         assert client.wait() == 1
         assert client.lines[-1] == "crash after 2 steps, as told"
 
@@ -176,10 +171,10 @@ def test_a_trainer_waits_for_as_many_simulators_as_it_has_areas(serve, simulator
     simulators(endpoint, "python")
     why = "the hub has 1 simulators of 'CartPole', of which 0 are taken: 2 are needed"
     with (
-        FleetSocket(endpoint, "CartPole", 2) as socket,
+        FleetSocket(endpoint, "CartPole", 2) as fleet,
         pytest.raises(TimeoutError, match=f"^no simulator came to {endpoint} within 3 s; {why}$"),
     ):
-        gymnasium.make_vec(ID, 2, socket=socket, wait=3)
+        gymnasium.make_vec(ID, 2, fleet=fleet, wait=3)
     assert why in caplog.messages
 
 
@@ -215,16 +210,6 @@ def test_a_hub_that_was_killed_gets_all_back_and_no_return_changes(serve, simula
     assert trainer.lines.count("the hub has given this trainer 2 simulators") == 2
 
 
-def test_a_trainer_says_that_it_waits_for_another_simulator(serve, simulators, train):
-    _, endpoint = serve(KEY, *STAY)
-    simulators(endpoint, "python", words=["--crash-after", "20"])
-    trainer = train(endpoint, 1, 3)
-    trainer.wait_for("^1 of 1 episodes wait for a simulator: start one, if none comes$")
-    simulators(endpoint, "python")
-    assert played(trainer) == returns(3)
-    assert trainer.lines.count("each episode has a simulator again") == 1
-
-
 def test_an_episode_that_is_lost_while_another_begins_is_begun_anew():
     class Lost:
         """Two areas whose episodes take two and three steps; at the first reset of one, the other is lost."""
@@ -248,163 +233,31 @@ def test_an_episode_that_is_lost_while_another_begins_is_begun_anew():
 
 
 def test_deaths_by_chance_are_not_taken_for_what_ends_each_simulator():
-    begun = Episode(Record(ASKS, 0, seeds([0]), [records.RESET], [b""]), lambda: None)
+    begun = Episode(Part(bytes(80), [(0, 1)], True), lambda: None)
     for number, done in enumerate([*(i % 5 for i in range(40)), *[7] * 9]):
-        run = Member(number, "CartPole", lambda message: True)
+        run = Member(number, "CartPole", lambda frames: True)
         run.lease(begun)
         run.done = done
         begun.lost_by(run)
         assert begun.lost == (1 if number < 40 else number - 39)
 
 
-# Lesson 10's environment, unchanged
+def test_two_simulators_of_a_fleet_are_killed_in_learn_and_the_weights_are_the_same(serve, simulators):
+    sb3 = pytest.importorskip("stable_baselines3", reason="trains with it: pip install stable-baselines3")
+    from netmq_example.sb3 import UnityVecEnv
 
-
-def test_side_channels_are_refused_by_the_hub_and_not_lost(serve, simulators):
     _, endpoint = serve(KEY, *STAY)
-    simulators(endpoint, "python")
-    with FleetSocket(endpoint, "CartPole", 1) as socket:
-        envs = gymnasium.make_vec(ID, 1, socket=socket)
-        carry(envs, SideChannelManager([]))
-        with pytest.raises(messages.MessageError, match="no-side-channels: the hub hands none on: give them a connec"):
-            envs.reset()
-        envs.close()
-
-
-def test_the_vector_environment_sees_the_same_over_the_hub(serve, simulators, client_command):
-    _, endpoint = serve(KEY, *STAY)
-    simulators(endpoint, "python", "python")
-    launch = client_command("python", "10_many_agents", "nowhere", "--world", "CartPole", "--areas", "2")
-    launch = without_endpoint(launch)
-    for mode in ("NextStep", "SameStep"):
-        with FleetSocket(endpoint, "CartPole", 2) as socket:
-            both = [
-                gymnasium.make_vec(ID, 2, autoreset_mode=mode, render_mode="rgb_array", **where)
-                for where in ({"socket": socket}, {"launch": launch})
-            ]
-            options = {"low": -0.2, "high": 0.2}
-            assert_same(*(envs.reset(seed=[3, 4], options=options) for envs in both))
-            # So many that each area begins anew.
-            for step in range(40):
-                assert_same(*(envs.step(np.array([1, step % 2])) for envs in both))
-            assert_same(*(envs.render() for envs in both))
-            assert_same(*(envs.reset(options={"state": np.array([0.1, 0, 0, 0])}) for envs in both))
-            for envs in both:
-                with pytest.raises(messages.MessageError, match="bad-state"):
-                    envs.reset(options={"state": np.zeros(3)})
-                # It goes on after that.
-                envs.reset(seed=1)
-                envs.close()
-
-
-def assert_same(ours, theirs):
-    np.testing.assert_equal(plain(ours), plain(theirs))
-
-
-def plain(found):
-    """Without the arrays of arrays, which numpy does not compare."""
-    if isinstance(found, dict):
-        return {name: plain(value) for name, value in found.items()}
-    nested = isinstance(found, (tuple, list)) or (isinstance(found, np.ndarray) and found.dtype == object)
-    return [plain(value) for value in found] if nested else found
-
-
-# Lesson 11's scenes
-
-WALK = """
-import sys
-from typing import Annotated, Any
-
-import numpy as np
-
-from netmq_example import console
-from netmq_example.fleet.simulator import FleetSimulator
-from netmq_example.scene.scene import Agent, Obs, SceneSimulator
-from netmq_example.scene.simulator import EnvironmentClient
-
-
-class Walker(Agent):
-    place: Annotated[Any, Obs()] = np.zeros(2)
-    steps: Annotated[int, Obs("['walked'] = $")] = 0
-
-    def on_reset(self):
-        self.steps, self.last = 0, 3 + int(9 * next(self.rng))
-        self.place = np.array([next(self.rng), self.options.get("far", 0.0)])
-
-    def on_action(self, action):
-        self.place = self.place + action
-        self.reward += float(self.place[0])
-
-    def on_tick(self, dt):
-        self.steps += 1
-        self.terminated = self.steps == self.last
-        if self.terminated:
-            self.infos.append({"at": self.place, "after": dt * self.steps})
-
-
-def scene(*names):
-    return SceneSimulator("Walk", 0.1, [Walker(name) for name in names])
-
-
-if __name__ == "__main__":
-    console.log_lines()
-    EnvironmentClient(sys.argv[1], timeout=60).run(FleetSimulator(scene("agent")))
-"""
-SPACES = {
-    "observation_space": gymnasium.spaces.Dict(
-        place=gymnasium.spaces.Box(-99, 99, (2,), np.float64), walked=gymnasium.spaces.Discrete(100)
-    ),
-    "action_space": gymnasium.spaces.Box(-1, 1, (2,), np.float64),
-}
-
-
-@pytest.fixture
-def scene(tmp_path):
-    """scene("agent_0", "agent_1"): a simulator of walkers with these names."""
-    (tmp_path / "walk.py").write_text(WALK, encoding="utf-8")
-    return runpy.run_path(str(tmp_path / "walk.py"))["scene"]
-
-
-def walkers(count, socket, **more):
-    return gymnasium.make_vec("NetMQExample/Unity-v0", count, env_name="Walk", **SPACES, socket=socket, **more)
-
-
-def test_scenes_of_a_hub_are_to_python_what_the_agents_of_one_scene_are(serve, start, scene, inside, make, tmp_path):
-    """And what single environments of as many scenes are, whose infos say more."""
-    _, endpoint = serve(KEY, *STAY)
-    for _ in range(2):
-        start(PYTHON, tmp_path / "walk.py", endpoint, PYTHONPATH=str(ROOT / "python")).wait_for("^simulating Walk")
-    for mode in AutoresetMode:
-        words = {"autoreset_mode": mode, "max_episode_steps": 9}
-        singles = [inside(scene("agent")).socket for _ in range(2)]
-        with FleetSocket(endpoint, "Walk", 2) as socket:
-            ours = walkers(2, socket, **words)
-            one = walkers(2, inside(scene("agent_0", "agent_1")).socket, **words)
-            apart = SyncVectorEnv([partial(make_walker, make, single) for single in singles], autoreset_mode=mode)
-            all_of_them, ends = [ours, one, apart], np.zeros(2, int)
-            assert_walk_alike([each.reset(seed=[3, 8], options={"far": 2.5}) for each in all_of_them])
-            ours.action_space.seed(4)
-            for _ in range(40):
-                action = ours.action_space.sample()
-                seen = [each.step(action) for each in all_of_them]
-                assert_walk_alike(seen)
-                over = seen[0][2] | seen[0][3]
-                ends += over
-                if mode == AutoresetMode.DISABLED and over.any():
-                    assert_walk_alike([each.reset(options={"reset_mask": over.copy()}) for each in all_of_them])
-            assert min(ends) >= 3
-            for each in all_of_them:
-                each.close()
-
-
-def make_walker(make, socket):
-    return make("NetMQExample/Unity-v0", env_name="Walk", **SPACES, socket=socket, max_episode_steps=9)
-
-
-def assert_walk_alike(found):
-    ours, one, apart = found
-    assert_same(ours, one)
-    assert_same(ours[:-1], apart[:-1])
+    weights = []
+    for deaths in ((), ("90", "150")):
+        for words in deaths:
+            simulators(endpoint, "python", words=["--crash-after", words])
+        simulators(endpoint, "python", "python")
+        with FleetSocket(endpoint, "CartPole", 2) as fleet:
+            envs = UnityVecEnv("NetMQExample/CartPole-v0", 2, fleet=fleet)
+            model = sb3.PPO("MlpPolicy", envs, seed=5, n_steps=128, batch_size=64, device="cpu").learn(512)
+            weights.append({name: value.numpy() for name, value in model.policy.state_dict().items()})
+            envs.close()
+    np.testing.assert_equal(*weights)
 
 
 # Keys, and how a hub is found
@@ -471,7 +324,7 @@ def test_a_hub_that_was_away_says_first_what_is_missing():
 def test_a_hub_that_was_stopped_sends_nobody_home():
     """As by `docker compose pause`, or on a virtual machine that was saved: all of them were asleep."""
     hub = Hub(sent := Sent())
-    hub.take(b"simulator", FleetSimulator(Simulator(CartPole())).hello().frames())
+    hub.take(b"simulator", FleetSimulator(SceneSimulator(Scene("CartPole", [CartPole()], DT))).hello().frames())
     hub.tick()
     (member,) = hub.members.values()
     for clock in (vars(hub), vars(member)):

@@ -101,9 +101,9 @@ def plain(found):
 
 
 class Walker(Agent):
-    """By attributes, and with infos; as a scene's agent it says something for the scene, too."""
+    """By attributes, and with infos."""
 
-    name, scene = "walker", None
+    name = "walker"
     place: Annotated[Any, Obs()] = np.zeros(2)
     steps: Annotated[int, Obs("['walked'] = $")] = 0
     said: Annotated[str, Obs()] = ""
@@ -226,6 +226,7 @@ class Windy(Agent):
     """What it sees is a parameter; it tells the channels of each step, and the scene of each begin."""
 
     name = "leaf"
+    scene: Any = None
     observation, action = gymnasium.spaces.Box(-99, 99, (), np.float64), gymnasium.spaces.Discrete(2)
     steps = 0
 
@@ -280,5 +281,6 @@ def test_what_a_hub_has_not_is_refused_in_a_line(make):
     make(netmq_example.envs.UnityVectorEnv, 2, "CartPole", fleet=fleet)
     for bits, code in (records.SCENE_CLOCK, "scenes-clock"), (records.REAL_TIME, "real-time"):
         section = records.Section(0, bytes(16), bytes([records.RESET] * 2))
+        fleet.heard.clear()
         fleet.send_multipart([b"hub", *records.Record(records.ASKS, 20 + bits, [section], bits).frames()])
         assert Message.read(fleet.recv_multipart()[1:]).values["code"] == code
