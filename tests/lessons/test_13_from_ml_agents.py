@@ -31,8 +31,7 @@ from netmq_example.mlagents_envs.exception import (
     UnityWorkerInUseException,
 )
 from netmq_example.mlagents_envs.side_channel.raw_bytes_channel import RawBytesChannel
-from netmq_example.scene.simulation import Simulation
-from netmq_example.scene.simulator import EnvironmentClient, Simulator
+from netmq_example.scene import Agent, EnvironmentClient, Scene, SceneSimulator
 
 GUIDE = ROOT / "docs" / "guide"
 PAGE = (GUIDE / "from_ml_agents.md").read_text(encoding="utf-8")
@@ -299,29 +298,28 @@ def test_the_examples_that_the_page_lets_one_delete_are_used_by_nothing_else():
 # The environment
 
 
-class Corridor(Simulation):
+class Corridor(Agent):
     """Five numbers of steps; what was done is seen."""
 
-    name, dt, size = "Corridor", 0.02, 0
     observation = Dict(done=Box(-9, 9, (2,)), step=Box(0, 9, ()))
 
     def __init__(self, action=None, last=(5, True)):
         self.action, (self.end, self.terminates) = action or Box(-1, 1, (2,)), last
 
-    def reset(self, rng, options, state):
-        self.first = next(rng)
+    def on_reset(self):
         self.steps, self.done = 0, np.zeros(2)
 
-    def apply(self, action):
+    def on_action(self, action):
         self.steps += 1
         self.done = np.resize(action, 2)
 
-    def observe(self):
-        return {"done": self.done.astype(np.float32), "step": np.array(self.steps, np.float32)}
-
-    def reward_and_end(self):
+    def on_stepped(self):
+        self.reward += 0.5
         over = self.steps == self.end
-        return {"reward": 0.5, "terminated": over and self.terminates, "truncated": over and not self.terminates}
+        self.terminated, self.truncated = over and self.terminates, over and not self.terminates
+
+    def observe(self):
+        return {"done": self.done, "step": self.steps}
 
 
 @pytest.fixture
@@ -332,7 +330,8 @@ def corridor():
     def make(*words, **more):
         port = steady_port()
         client = EnvironmentClient(f"tcp://127.0.0.1:{port}", timeout=LIMIT)
-        threads.append(threading.Thread(target=client.run, args=(Simulator(Corridor(*words)),), daemon=True))
+        simulator = SceneSimulator(Scene("Corridor", [Corridor(*words)]))
+        threads.append(threading.Thread(target=client.run, args=(simulator,), daemon=True))
         threads[-1].start()
         made.append(UnityEnvironment(base_port=port - 3, worker_id=3, **more))
         return made[-1]
@@ -452,7 +451,7 @@ def test_a_simulator_that_is_missing_has_ml_agents_names(corridor):
         UnityEnvironment(base_port=port, timeout_wait=0.1)
     with pytest.raises(UnityTimeOutException, match="the simulator ended with code 2"):
         UnityEnvironment(str(PYTHON), additional_args=["nothing.py"])
-    taken = corridor().env.connection.endpoint.rpartition(":")[2]
+    taken = corridor().env.simulators.connection.endpoint.rpartition(":")[2]
     in_use = rf"cannot listen on tcp://127.0.0.1:{taken}: .*; close\(\) the environment that has it"
     with pytest.raises(UnityWorkerInUseException, match=in_use):
         UnityEnvironment(base_port=int(taken))

@@ -1,4 +1,4 @@
-"""ML-Agents' low-level API over one agent of lesson 09: mlagents_envs.environment, with its names.
+"""ML-Agents' low-level API over a scene's only agent: mlagents_envs.environment, with its names.
 
     env = UnityEnvironment(side_channels=[log])          prints: waiting for a simulator on tcp://…: press Play
     env.reset()
@@ -13,7 +13,7 @@ Box, Discrete or MultiDiscrete, its observation one array, or a Dict of arrays. 
 
 import contextlib
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from netmq_example.extras import without
@@ -25,7 +25,8 @@ except ImportError as error:
     raise without(error) from None
 
 from netmq_example import check
-from netmq_example.envs.gym_env import ZmqEnv
+from netmq_example.envs.gym_env import UnityGymEnv
+from netmq_example.envs.remote import Remote
 from netmq_example.envs.side_channels import carry
 from netmq_example.errors import Lost
 from netmq_example.messages import Message, take
@@ -53,12 +54,17 @@ from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideCh
 __all__ = ["UnityEnvironment"]
 
 
-class OneAgent(ZmqEnv):
+class OneAgent(UnityGymEnv):
     """An environment that takes any simulator's name."""
 
-    def accept(self, hello: Message) -> None:
-        self.name = take(hello.values, "name", str)
-        super().accept(hello)
+    def started(self, remote: Remote) -> Callable[[], object]:
+        def accept(hello: Message) -> None:
+            remote.name = take(hello.values, "name", str)
+            Remote.accept(remote, hello)
+
+        # Also for the simulators that come after the first one.
+        vars(remote)["accept"] = accept
+        return super().started(remote)
 
 
 class UnityEnvironment:
@@ -97,7 +103,7 @@ class UnityEnvironment:
         if side_channels:
             carry(self.env, SideChannelManager([*side_channels]))
         self.seed: int | None = seed
-        self.name = f"{self.env.name}?team=0"
+        self.name = f"{self.env.remote.name}?team=0"
         self.actions = action_spec(self.env.action_space)
         self.behavior_specs = {self.name: BehaviorSpec(seen_specs(self.env.observation_space), self.actions)}
         self.action = self.actions.empty_action(1)
@@ -120,7 +126,7 @@ class UnityEnvironment:
             return
         seen, reward, terminated, truncated, info = self.env.step(written(self.env.action_space, self.action))
         self.action, self.over = self.actions.empty_action(1), None
-        if not self.env.connection.peer:
+        if not self.env.simulators.connection.peer:
             self.now = None
             raise UnityCommunicatorStoppedException(
                 f"the simulator is lost: {info['lost']}; reset waits for another one"
