@@ -274,7 +274,10 @@ SEEN = [
     (BOX, BOX),
     (spaces.Dict(a=BOX, b=PICTURE), spaces.Dict(a=BOX, b=PICTURE)),
     (spaces.Discrete(5, start=3), spaces.Discrete(5)),
-    (spaces.MultiDiscrete([[3, 4], [2, 2]], start=[[1, 1], [0, 0]]), spaces.MultiDiscrete([3, 4, 2, 2])),
+    (
+        spaces.MultiDiscrete(np.array([[3, 4], [2, 2]]), start=np.array([[1, 1], [0, 0]])),
+        spaces.MultiDiscrete([3, 4, 2, 2]),
+    ),
     (spaces.Box(-1, 1, ()), spaces.Box(-1, 1, (1,))),
     (spaces.Sequence(BOX), spaces.Box(-1, 1, (8, 2))),
     (spaces.Sequence(spaces.Box(1, 2, ())), spaces.Box(0, 2, (8, 1))),
@@ -283,11 +286,13 @@ SEEN = [
     (LIST, spaces.Dict(place=spaces.Box(-1, 1, (8, 2)), kind=spaces.MultiDiscrete([3] * 8))),
     (STACK, spaces.Dict(keys=spaces.MultiBinary(32), gears=spaces.MultiDiscrete([3] * 16))),
 ]
-GEARS = spaces.Tuple([spaces.MultiDiscrete([[3, 2], [2, 2]], start=[[1, 1], [1, 1]]), spaces.MultiBinary([2, 2])])
+GEARS = spaces.Tuple(
+    [spaces.MultiDiscrete(np.array([[3, 2], [2, 2]]), start=np.ones((2, 2), int)), spaces.MultiBinary([2, 2])]
+)
 DONE = [
     (BOX, BOX),
     (spaces.Discrete(3, start=2), spaces.Discrete(3)),
-    (spaces.MultiDiscrete([[3, 2], [2, 2]]), spaces.MultiDiscrete([3, 2, 2, 2])),
+    (spaces.MultiDiscrete(np.array([[3, 2], [2, 2]])), spaces.MultiDiscrete([3, 2, 2, 2])),
     (spaces.MultiBinary([2, 2]), spaces.MultiBinary(4)),
     (spaces.Box(-128, 127, (2, 2), np.int8), spaces.Box(-1, 1, (4,))),
     (
@@ -347,6 +352,7 @@ class Picky(Agent):
 
     observation = spaces.Dict(observation=spaces.Box(0, 99, (1,)), action_mask=spaces.MultiBinary(3))
     action = spaces.Discrete(3)
+    life = 9
 
     def on_reset(self):
         self.age = 0
@@ -361,7 +367,7 @@ class Picky(Agent):
     def on_stepped(self):
         self.age += 1
         self.reward = 1.0
-        self.terminated = self.age == 9
+        self.terminated = self.age == self.life
 
     def observe(self):
         return {"observation": [self.age], "action_mask": self.allowed()}
@@ -413,13 +419,9 @@ def scene_of(kind, count, name="Masks"):
 
 @pytest.mark.parametrize("kind", [Picky, Shy])
 def test_pettingzoo_samples_with_the_mask(kind, inside, make):
-    class Slow(kind):
-        def on_stepped(self):
-            super().on_stepped()
-            self.terminated = self.age == 30
-
     random.seed(1)
-    env = make(envs.UnityParallelEnv, "Masks", socket=inside(scene_of(Slow, 2)).socket)
+    slow = type("Slow", (kind,), {"life": 30})
+    env = make(envs.UnityParallelEnv, "Masks", socket=inside(scene_of(slow, 2)).socket)
     if kind is Picky:
         with warnings.catch_warnings():
             # Of a space that is a dict, and of numbers that may be infinite.
@@ -478,13 +480,6 @@ class VecEnv:
 
     def set_options(self, options):
         self._options = options if isinstance(options, list) else [options] * self.num_envs
-
-    def has_attr(self, name):
-        try:
-            self.get_attr(name)
-        except AttributeError:
-            return False
-        return True
 
     def step(self, actions):
         self.step_async(actions)
@@ -591,7 +586,8 @@ def test_each_info_arrives_as_it_was_sent(many):
 @pytest.mark.parametrize("kind", [Picky, Shy])
 def test_masks_of_each_agent(kind, many):
     areas = many(kind, 3)
-    assert areas.has_attr("action_masks")
+    # By which MaskablePPO finds out whether there are any.
+    areas.get_attr("action_masks")
     areas.reset()
     for _ in range(12):
         masks = areas.env_method("action_masks", indices=[2, 0])
@@ -599,7 +595,8 @@ def test_masks_of_each_agent(kind, many):
         areas.step(areas.action_masks().argmax(1))
     areas = many(Reach, 2)
     areas.reset()
-    assert not areas.has_attr("action_masks")
+    with pytest.raises(AttributeError, match="no action_mask is in what the agents see"):
+        areas.get_attr("action_masks")
 
 
 def test_attributes_goals_and_options_of_a_vecenv(many, sb3):
@@ -607,7 +604,7 @@ def test_attributes_goals_and_options_of_a_vecenv(many, sb3):
     assert (
         areas.env_method("compute_reward", np.zeros((5, 2)), np.ones((5, 2)), {}, indices=[0])[0].tolist() == [-1] * 5
     )
-    assert areas.get_attr("action_space", 1) == [BOX] and not areas.has_attr("nothing")
+    assert areas.get_attr("action_space", 1) == [BOX]
     assert areas.env_is_wrapped(gymnasium.Wrapper) == [False] * 3
     areas.set_attr("mine", 5)
     assert areas.get_attr("mine") == [5] * 3
@@ -629,47 +626,46 @@ def test_attributes_goals_and_options_of_a_vecenv(many, sb3):
 # Each library
 
 
-def needs(*names):
-    """Its packages; what they need in turn may be missing as well."""
-    for name in names:
-        try:
-            importlib.import_module(name)
-        except ImportError as error:
-            pytest.skip(f"{name} is not here: {error}")
+def pursuit():
+    return envs.UnityParallelEnv("Pursuit", launch=client("10_many_agents"))
+
+
+def needs(name):
+    """The module. What it needs in turn may be missing as well."""
+    try:
+        return importlib.import_module(name)
+    except ImportError as error:
+        pytest.skip(f"{name} is not here: {error}")
 
 
 @pytest.mark.long
 def test_stable_baselines3_checks_and_learns(many, sb3):
-    needs("stable_baselines3.common.env_util", "torch")
-    from stable_baselines3 import DQN, PPO, SAC, HerReplayBuffer
-    from stable_baselines3.common import env_checker, env_util, vec_env
-
+    library = needs("stable_baselines3.common.env_checker") and needs("stable_baselines3")
+    common, ppo = library.common, {"n_steps": 32, "batch_size": 32, "device": "cpu"}
     launches = {ID: client("09_environment"), "NetMQExample/Car-v0": client("09_environment", "--world", "Car")}
     for name, launch in launches.items():
         env = gymnasium.make(name, launch=launch)
-        env_checker.check_env(env)
+        common.env_checker.check_env(env)
         env.close()
         # It asks for pictures unasked.
-        two = env_util.make_vec_env(name, 2, env_kwargs={"launch": launch}, seed=1)
-        PPO("MlpPolicy", two, n_steps=32, batch_size=32, n_epochs=1, device="cpu").learn(64)
+        two = common.env_util.make_vec_env(name, 2, env_kwargs={"launch": launch}, seed=1)
+        library.PPO("MlpPolicy", two, **ppo).learn(64)
         two.close()
-    poles = vec_env.VecMonitor(sb3.UnityVecEnv(ID, 4, launch=client(*POLES, "4")))
-    for model in PPO("MlpPolicy", poles, n_steps=32, batch_size=32, device="cpu"), DQN("MlpPolicy", poles):
+    poles = common.vec_env.VecMonitor(sb3.UnityVecEnv(ID, 4, launch=client(*POLES, "4")))
+    for model in library.PPO("MlpPolicy", poles, **ppo), library.DQN("MlpPolicy", poles):
         model.learn(256)
         assert model.ep_info_buffer
     poles.close()
     goals = many(Reach, 2, compute_reward=nearness, max_episode_steps=10)
-    SAC("MultiInputPolicy", goals, replay_buffer_class=HerReplayBuffer, learning_starts=40, device="cpu").learn(80)
+    library.SAC("MultiInputPolicy", goals, replay_buffer_class=library.HerReplayBuffer, learning_starts=40).learn(80)
 
 
 @pytest.mark.long
 def test_stable_baselines3s_own_vecenv_of_single_ones_is_the_same(sb3):
-    needs("stable_baselines3.common.vec_env", "torch")
-    from stable_baselines3.common.vec_env import DummyVecEnv
-
+    vec_env = needs("stable_baselines3.common.vec_env")
     words = {"max_episode_steps": 20}
     single = [lambda: gymnasium.make(ID, launch=client("09_environment"), **words)] * 3
-    both = [DummyVecEnv(single), sb3.UnityVecEnv(ID, 3, launch=client(*POLES, "3"), **words)]
+    both = [vec_env.DummyVecEnv(single), sb3.UnityVecEnv(ID, 3, launch=client(*POLES, "3"), **words)]
     for envs_ in both:
         envs_.seed(5)
     try:
@@ -688,21 +684,17 @@ def test_stable_baselines3s_own_vecenv_of_single_ones_is_the_same(sb3):
 @pytest.mark.long
 @pytest.mark.parametrize("kind", [Picky, Shy])
 def test_maskable_ppo_never_does_what_is_forbidden(kind, many):
-    needs("sb3_contrib")
-    from sb3_contrib import MaskablePPO
-
+    ppo = needs("sb3_contrib").MaskablePPO
     policy = "MultiInputPolicy" if kind is Picky else "MlpPolicy"
     # An action that is not allowed is an error.
-    model = MaskablePPO(policy, many(kind, 4), n_steps=32, batch_size=32, n_epochs=1, device="cpu").learn(256)
+    model = ppo(policy, many(kind, 4), n_steps=32, batch_size=32, n_epochs=1, device="cpu").learn(256)
     assert len(model.ep_info_buffer) == 0 and model.num_timesteps == 256
 
 
 @pytest.mark.long
 def test_supersuit_makes_a_vector_of_a_game():
-    needs("supersuit")
-    import supersuit
-
-    game = supersuit.black_death_v3(envs.UnityParallelEnv("Pursuit", launch=client("10_many_agents")))
+    supersuit = needs("supersuit")
+    game = supersuit.black_death_v3(pursuit())
     vector = supersuit.concat_vec_envs_v1(supersuit.pettingzoo_env_to_vec_env_v1(game), 2, base_class="gymnasium")
     vector.reset()
     for _ in range(50):
@@ -712,14 +704,12 @@ def test_supersuit_makes_a_vector_of_a_game():
 
 @pytest.mark.long
 def test_skrl_knows_each_of_them():
-    needs("torch", "skrl.envs.wrappers.torch")
-    import torch
-    from skrl.envs.wrappers.torch import wrap_env
-
+    torch = needs("torch")
+    wrap_env = needs("skrl.envs.wrappers.torch").wrap_env
     for env in (
         gymnasium.make(ID, launch=client("09_environment")),
         gymnasium.make_vec(ID, 4, launch=client(*POLES, "4")),
-        envs.UnityParallelEnv("Pursuit", launch=client("10_many_agents")),
+        pursuit(),
     ):
         wrapped = wrap_env(env)
         wrapped.reset()
@@ -732,25 +722,16 @@ def test_skrl_knows_each_of_them():
 
 @pytest.mark.long
 def test_torchrl_makes_one_by_its_id():
-    needs("torchrl.envs")
-    from torchrl.envs import GymEnv, GymWrapper
-
+    torchrl = needs("torchrl.envs")
     envs_ = gymnasium.make_vec(ID, 4, launch=client(*POLES, "4"), autoreset_mode="SameStep")
-    for env in GymEnv(ID, launch=client("09_environment")), GymWrapper(envs_):
+    for env in torchrl.GymEnv(ID, launch=client("09_environment")), torchrl.GymWrapper(envs_):
         env.rollout(5)
         env.close()
 
 
-def pursuit():
-    return envs.UnityParallelEnv("Pursuit", launch=client("10_many_agents"))
-
-
 @pytest.mark.long
 def test_agilerl_tells_the_dead_what_to_do():
-    needs("agilerl.vector.pz_async_vec_env")
-    from agilerl.vector.pz_async_vec_env import AsyncPettingZooVecEnv
-
-    env = AsyncPettingZooVecEnv([pursuit] * 2)
+    env = needs("agilerl.vector.pz_async_vec_env").AsyncPettingZooVecEnv([pursuit] * 2)
     env.reset(seed=1)
     for _ in range(120):
         env.step({agent: np.array([env.single_action_space(agent).sample() for _ in "ab"]) for agent in env.agents})
@@ -774,12 +755,10 @@ def test_what_the_dead_are_told_is_passed_over(inside, make):
 
 @pytest.mark.long
 def test_rllib_has_many_agents_by_their_vector_entry_point():
-    needs("torch", "ray.rllib.algorithms.ppo")
-    import ray
-    from ray.rllib.algorithms.ppo import PPOConfig
-
+    config = needs("torch") and needs("ray.rllib.algorithms.ppo").PPOConfig()
+    ray = needs("ray")
     ray.init(num_cpus=2, include_dashboard=False)
-    config = PPOConfig().environment(f"netmq_example.envs:{ID}", env_config={"launch": client(*POLES, "4")})
+    config = config.environment(f"netmq_example.envs:{ID}", env_config={"launch": client(*POLES, "4")})
     config = config.env_runners(
         num_env_runners=1, num_envs_per_env_runner=4, gym_env_vectorize_mode="vector_entry_point"
     )
