@@ -15,36 +15,45 @@ import zmq
 
 from tests.bad_peers import SlowLine
 from tests.conftest import CLIENTS, PYTHON
+from tests.lessons.conftest import simulated
 from tests.programs import LIMIT, PATIENT, ROOT, Mark, finds_processes, free_port, steady_endpoint
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
 np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: kit.py run 9 installs it")
 
+from gymnasium.spaces import Dict, Discrete  # noqa: E402
+
 KEY, ID = "09_environment", "NetMQExample/CartPole-v0"
 LESSON = ROOT / "python" / KEY
-from netmq_example.envs.common import frames_per_second  # noqa: E402
+from netmq_example.envs import UnityGymEnv  # noqa: E402
 from netmq_example.envs.connection import bound  # noqa: E402
 from netmq_example.messages import Array, Message, MessageError  # noqa: E402
-from netmq_example.scene.simulator import EnvironmentClient, Simulator  # noqa: E402
+from netmq_example.scene import EnvironmentClient  # noqa: E402
+from netmq_example.scene.agent import begin  # noqa: E402
 from netmq_example.wire import trees  # noqa: E402
 from netmq_example.wire.records import (  # noqa: E402
     ABSENT,
     ANSWERS,
     ASKS,
     RESET,
+    SEEN,
     STEP,
     TERMINATED,
     Record,
+    Section,
     read_frames,
     rewards,
     seeds,
+    with_infos,
+    with_sizes,
 )
 from netmq_example.wire.space_bytes import Bytes  # noqa: E402
 from netmq_example.wire.spaces import described  # noqa: E402
 from netmq_example.wire.split_mix import draws  # noqa: E402
-from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
+from netmq_example.worlds.cart_pole import DT, CartPole  # noqa: E402
 
 each_client = pytest.mark.parametrize("kind", CLIENTS)
+NOTHING_SAID: dict[str, list[object]] = {"env": [], "agent": []}
 posix = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals")
 
 
@@ -53,21 +62,23 @@ def here(inside, make):
     """here(…): an environment, and a simulator in this process that answers as the test says."""
 
     def make_env(answer=None, hello=None, **where):
-        simulator = inside(Simulator(CartPole()), answer, hello)
+        simulator = inside(simulated(), answer, hello)
         return make(socket=simulator.socket, disable_env_checker=True, **where), simulator
 
     return make_env
 
 
-def state(request, *seen, reward=1.0, mark=0, info=b""):
-    """The answer to a request: what is seen of each area, or of one that sees zeros."""
+def state(request, *seen, reward=1.0, mark=SEEN, info=b"", said=b"", kind=0):
+    """The answer to a request: what is seen of each agent, or of one that sees zeros."""
     rows = [array.tobytes() for array in seen or [np.zeros(4, np.float32)]]
     count = len(rows)
-    return [Record(ANSWERS, request.id, rewards([reward] * count), [mark] * count, rows, [info] * count).frames()]
+    section = Section(kind, rewards([reward] * count), bytes([mark] * count))
+    with_infos(section, {0: info} if info else {})
+    return [Record(ANSWERS, request.id, [with_sizes(section, rows if mark & SEEN else [])], said=said).frames()]
 
 
 def is_step(request):
-    return request.kind == ASKS and request.flags == bytes([STEP])
+    return request.kind == ASKS and request.has(STEP)
 
 
 def process(env):
@@ -75,11 +86,12 @@ def process(env):
 
 
 def reset(id, seed, options=b""):
-    return Record(ASKS, id, seeds([seed]), [RESET], [b""], options=options)
+    return Record(ASKS, id, [Section(0, seeds([seed]), bytes([RESET]))], said=options)
 
 
 def step(id, *rows):
-    return Record(ASKS, id, bytes(8 * len(rows)), [STEP] * len(rows), rows)
+    section = Section(0, bytes(8 * len(rows)), bytes([STEP] * len(rows)))
+    return Record(ASKS, id, [with_sizes(section, rows)])
 
 
 def number(action):
@@ -103,13 +115,13 @@ def test_a_killed_simulator_ends_the_episode_and_the_next_reset_starts_another(m
     first.kill()
     first.wait()
     last, reward, terminated, truncated, info = env.step(1)
-    assert (reward, terminated, truncated, info) == (0, False, True, {"lost": "the simulator is gone"})
+    assert (reward, terminated, truncated, info) == (0, False, True, {**NOTHING_SAID, "lost": "the simulator is gone"})
     assert np.array_equal(last, kept), "nobody knows what came after; and what was given out is the user's"
     assert np.array_equal(env.render(), picture), "a film goes on"
     again, _ = env.reset(seed=7)
     assert process(env).pid != first.pid
     assert np.array_equal(again, begin)
-    assert env.step(1)[4] == {}
+    assert env.step(1)[4] == NOTHING_SAID
 
 
 @each_client
@@ -147,7 +159,6 @@ def test_a_simulator_does_each_request_once_and_says_hello_on_each_connection(ki
             router.send_multipart([peer, *request.frames()])
             return router.recv_multipart()[1:]
 
-        world = CartPole()
         ask(reset(1, 7))
         first = [ask(step(2, number(1))) for _ in range(3)]
         assert all(answer == first[0] for answer in first)
@@ -158,7 +169,8 @@ def test_a_simulator_does_each_request_once_and_says_hello_on_each_connection(ki
         wrong = {
             "not-in-space": [step(0, number(-1)), step(0, np.int32(1).tobytes()), step(0, number(1) * 2), step(0, b"")],
             "unknown-kind": [Message("jump", 0)],
-            "wrong-areas": [step(0, number(1), number(1))],
+            "wrong-agents": [step(0, number(1), number(1)), Record(ASKS, 0, step(0, number(1)).sections * 2)],
+            "wrong-clock": [Record(ASKS, 0, step(0, number(1)).sections, 4)],
             "bad-state": [reset(0, 1, trees.write({"state": state})) for state in (np.ones(1), [1.0], "here", None)],
             "bad-options": [reset(0, 1, trees.write([]))],
             "bad-tree": [reset(0, 1, b"?"), reset(0, 1, trees.write({}) + b"?")],
@@ -168,7 +180,7 @@ def test_a_simulator_does_each_request_once_and_says_hello_on_each_connection(ki
             for request in requests:
                 request.id = id = id + 1
                 assert Message.read(ask(request)).values["code"] == code
-        seen = Bytes(world.observation).read(answered(ask(step(100, number(0)))).rows[0])
+        seen = Bytes(CartPole.observation).read(answered(ask(step(100, number(0)))).sections[0].values)
         # Half a record has no id that could be answered: hello again.
         router.send_multipart([peer, reset(101, 1).frame()[:30]])
         client.wait_for("^trouble: bad-record: this is no reset")
@@ -176,10 +188,13 @@ def test_a_simulator_does_each_request_once_and_says_hello_on_each_connection(ki
         assert Message.read(ask(Message("close", 1))).kind == "closed"
         assert client.wait() == 0
         assert client.lines[-1] == "done: 1 episodes, 3 steps", "a refused one is none"
-    world.reset(draws(7), {}, [])
+    pole = CartPole()
+    begin(pole, draws(7), {}, [])
+    pole.on_reset()
     for action in (1, 1, 0):
-        world.apply(action)
-    assert world.observe() == pytest.approx(seen, abs=1e-6)
+        pole.on_action(action)
+        pole.on_tick(DT)
+    assert pole.observe() == pytest.approx(seen, abs=1e-6)
 
 
 @pytest.mark.parametrize("kind", ["python", "csharp"])
@@ -202,7 +217,7 @@ def test_a_server_that_is_back_before_a_step_is_over_hears_hello_first(kind, sta
 
 
 def test_what_a_simulator_has_done_already_it_does_not_do_again():
-    simulator = Simulator(CartPole())
+    simulator = simulated()
     assert Message.read(simulator.hello().frames()).kind == "hello"
     assert Message.read(simulator.answer(step(0, number(1)))).kind == "hello"
     simulator.answer(reset(1, 1))
@@ -231,12 +246,12 @@ def test_a_slow_simulator_is_asked_again_and_late_answers_are_left_alone(here):
 
 
 def test_a_silent_simulator_is_lost_after_the_timeout(make, inside):
-    simulator = inside(Simulator(CartPole()), lambda request: [] if is_step(request) else state(request))
+    simulator = inside(simulated(), lambda request: [] if is_step(request) else state(request))
     env = make(socket=simulator.socket, disable_env_checker=True)
     env.reset()
     # From here on only: to come and to begin takes longer on a busy machine.
-    env.unwrapped.simulators.wait = env.unwrapped.connection.timeout = 0.3
-    assert env.step(0)[3:] == (True, {"lost": "no answer to step within 0.3 s"})
+    env.unwrapped.simulators.wait = env.unwrapped.simulators.connection.timeout = 0.3
+    assert env.step(0)[3:] == (True, {**NOTHING_SAID, "lost": "no answer to step within 0.3 s"})
     simulator.over.set()
     simulator.join(LIMIT)
     with pytest.raises(TimeoutError, match=r"no simulator came to tcp://127.0.0.1:\d+ within 0.3 s; is it running\?"):
@@ -265,7 +280,7 @@ def test_a_second_simulator_is_told_that_there_is_one(here):
         told = []
         env, simulator = here(answer, timeout=LIMIT)
         env.reset()
-        assert env.step(1)[4] == {}
+        assert env.step(1)[4] == NOTHING_SAID
     assert told == [{"code": "busy", "text": "this environment has its simulator: one at a time"}]
 
 
@@ -310,15 +325,19 @@ def test_by_hand_it_plays_without_python(key, ended, start, client_command):
 WRONG = {
     "NaN": (lambda request: state(request, reward=np.nan), "^bad-reward: the reward is nan"),
     "endless": (lambda request: state(request, reward=-np.inf), "^bad-reward: the reward is -inf"),
-    "mark": (lambda request: state(request, mark=8), "^bad-record: .*: mark 8 is none"),
-    "cut": (lambda request: [[state(request)[0][0][:-1]]], "^bad-record: .*: it has 56 bytes in place of 57"),
+    "mark": (lambda request: state(request, mark=64 | SEEN), "^bad-record: "),
+    "cut": (lambda request: [[state(request)[0][0][:-8]]], "^bad-record: .*: it ends too early"),
+    "old": (lambda request: [[b"\2" + state(request)[0][0][1:]]], "^old-record: .*older kit: update "),
     "info": (lambda request: state(request, info=b"?"), "^bad-tree: "),
     "no info": (lambda request: state(request, info=trees.write([1])), r"^bad-info: an info is a dict, not \[1\]"),
-    "areas": (lambda request: state(request, *np.zeros((2, 4), np.float32)), "^wrong-areas: an answer for 2, but 1"),
-    "shape": (lambda request: state(request, np.zeros(3, np.float32)), r"^not-in-space: 12 bytes are not in Box\("),
-    "dtype": (lambda request: state(request, np.zeros(4)), r"^not-in-space: 32 bytes are not in Box\("),
+    "its own": (lambda request: state(request, info=trees.write({"lost": 1})), "^bad-info: .* environment's own: lost"),
+    "the scene's": (lambda request: state(request, said=trees.write({})), "^bad-info: the infos of a scene are a list"),
+    "agents": (lambda request: state(request, *np.zeros((2, 4), np.float32)), "^wrong-agents: the answer is not of"),
+    "kind": (lambda request: state(request, kind=1), "^wrong-agents: the answer is not of those that were asked"),
+    "shape": (lambda request: state(request, np.zeros(3, np.float32)), r"^not-in-space: 12 bytes are not .* Box\("),
+    "dtype": (lambda request: state(request, np.zeros(4)), r"^not-in-space: 32 bytes are not .* Box\("),
     "NaN seen": (lambda request: state(request, np.full(4, np.nan, np.float32)), r"^not-in-space: .* Box\("),
-    "none": (lambda request: state(request, np.empty(0)), r"^not-in-space: 0 bytes are not in Box\("),
+    "none": (lambda request: state(request, np.empty(0)), r"^not-in-space: 0 bytes are not .* Box\("),
     "hello": (lambda request: [Message("hello", request.id).frames()], "^wrong-kind: 'hello' is no answer to step"),
     "refused": (lambda request: [Message("error", request.id, {"code": "x", "text": "y"}).frames()], "^x: y$"),
 }
@@ -337,35 +356,52 @@ def test_a_wrong_answer_is_named_and_the_next_one_counts(here):
 def test_a_picture_that_is_none_is_named(here):
     arrays = []
     env, _ = here(lambda request: [Message("picture", request.id, {}, arrays).frames()], render_mode="rgb_array")
-    for wrong in ([], [np.zeros((2, 2, 3), np.float32)], [np.zeros((2, 3), np.uint8)], [np.zeros((2, 2, 4), np.uint8)]):
-        arrays[:] = [Array(one.dtype.name, one.shape, one.tobytes()) for one in wrong]
-        with pytest.raises(MessageError, match=r"^no-picture: .* is not one array uint8 \[height, width, 3\]$"):
+    wrong = [np.zeros((2, 2, 3), np.float32)], [np.zeros((2, 3), np.uint8)], [np.zeros((2, 2, 4), np.uint8)]
+    for pictures, text in (
+        *((each, r".* is not uint8 \[height, width, 3\]$") for each in wrong),
+        ([], "0 pictures are neither one of all nor one of each agent$"),
+        ([np.zeros((2, 2, 3), np.uint8)] * 2, "2 pictures are "),
+    ):
+        arrays[:] = [Array(one.dtype.name, one.shape, one.tobytes()) for one in pictures]
+        with pytest.raises(MessageError, match=f"^bad-picture: {text}"):
             env.unwrapped.render()
 
 
-def hello_with(spaces, **values):
-    """CartPole's, and what is said of its spaces is this value."""
-    hello = Simulator(CartPole()).hello()
-    return Message("hello", 0, {**hello.values, **values}, [trees.array_of(trees.write(spaces))])
+def hello_with(kind=None, *kinds, **values):
+    """CartPole's, but for some of its values, of what is said of its agents, or all of that."""
+    hello = simulated().hello()
+    (usual,) = trees.read(hello.arrays[0].data)["kinds"]
+    said = {"kinds": [{**usual, **(kind or {})}, *kinds]} if kind is None or type(kind) is dict else kind
+    return Message("hello", 0, {**hello.values, **values}, [trees.array_of(trees.write(said))])
 
 
-FINE = {"observation": described(CartPole().observation), "action": described(CartPole.action)}
-NO_HELLOS = {
-    r"unknown-space: space \['cube'\] is none of box, discrete": {**FINE, "observation": ["cube"]},
-    r"unknown-space: space \['box', 3\] is none": {**FINE, "observation": ["tuple", [["box", 3]]]},
-    "bad-space: .* makes no space: n .*have to be positive": {**FINE, "action": ["discrete", 0, 0, "int64"]},
-    "bad-space: .* makes no space: ": {**FINE, "action": ["box", "int42", np.zeros(1), np.ones(1)]},
-    "missing-field: .*'action'": {"observation": FINE["observation"]},
-    "no-spaces: what describes the spaces is no dict": [],
-    "several-agents: this simulator is one of agents: take ZmqParallelEnv for lesson 10's": {"agents": []},
-    "several-agents: .*, NetMQExample/Unity-v0 for lesson 11's": {},
+NO_KINDS = {
+    r"unknown-space: space \['cube'\] is none of box, discrete": {"observation": ["cube"]},
+    r"unknown-space: space \['box', 3\] is none": {"observation": ["tuple", [["box", 3]]]},
+    "bad-space: .* makes no space: n .*have to be positive": {"action": ["discrete", 0, 0, "int64"]},
+    "bad-space: .* makes no space: ": {"action": ["box", "int42", np.zeros(1), np.ones(1)]},
+    "wrong-scene: nobody says what the action of agent is: give action_space": {"action": None},
+    r"bad-kind: the agents of a kind are names, not \[\]": {"agents": []},
+    r"bad-kind: the agents of a kind are names, not \[5\]": {"agents": [5]},
+    r"bad-kind: the agents of a kind are names, not \[''\]": {"agents": [""]},
+    "two-agents: two agents are named 'a'": {"agents": ["a", "a"]},
+    "bad-kind: a step has at least one tick, not 0": {"period": 0},
+    "wrong-type: 'period' must be int": {"period": None},
+    "wrong-scene: the scene has 2 agents named a, b: say which with agent_name": {"agents": ["a", "b"]},
+    "no-spaces: what describes the agents is no dict": [],
 }
 HELLOS = {
-    **{text: hello_with(spaces) for text, spaces in NO_HELLOS.items()},
-    "wrong-name: this environment is CartPole, the simulator's is 'Car'": hello_with(FINE, name="Car"),
-    "wrong-type: 'dt' must be float": hello_with(FINE, dt="fast"),
-    "no-spaces: a hello of CartPole has one array": Message("hello", 0, {"name": "CartPole", "dt": 0.02}),
-    "bad-tree": Message("hello", 0, {"name": "CartPole", "dt": 0.02}, [Array("uint8", (1,), b"?")]),
+    **{text: hello_with(described) for text, described in NO_KINDS.items()},
+    "bad-kind: a kind of agents is a dict, not 5": hello_with(None, 5),
+    "wrong-name: this environment is CartPole, the simulator's is 'Car'": hello_with(name="Car"),
+    "wrong-type: 'dt' must be float": hello_with(dt="fast"),
+    "old-record: the simulator speaks record 1, this environment 2: update": hello_with(record=1),
+    "scene-clock: this scene steps by its own clock": hello_with(clock="scene"),
+    "no-spaces: a hello of CartPole has one array": Message("hello", 0, {**hello_with().values}),
+    "no-agents: CartPole has no agents: put one": Message(
+        "hello", 0, hello_with().values, [trees.array_of(trees.write({"kinds": []}))]
+    ),
+    "bad-tree": Message("hello", 0, hello_with().values, [Array("uint8", (1,), b"?")]),
 }
 
 
@@ -380,15 +416,36 @@ def test_a_wrong_hello_is_named_to_both_sides(text, inside):
     assert {answer.kind for answer in simulator.asked} == {"error"}
 
 
-@pytest.mark.parametrize(("dt", "fps"), [(0.02, 50), (0.0, 1000), (-1.0, 1000), (5.0, 1), (1e308, 1)])
-def test_a_film_has_pictures_whatever_a_worlds_step_is(dt, fps):
-    assert frames_per_second(hello_with(FINE, dt=dt)) == fps
+def test_spaces_that_both_sides_say_agree(inside, make):
+    """The first place is named where they differ."""
+    pole = CartPole.observation
+    fine = {"observation_space": pole, "action_space": CartPole.action}
+    assert make(UnityGymEnv, "CartPole", socket=inside(simulated()).socket, **fine).observation_space == pole
+    for wrong, text in (
+        ({"action_space": Discrete(3)}, r"the action of agent is Discrete\(2\) in the scene and Discrete\(3\) here$"),
+        (
+            {"observation_space": Dict(a=pole)},
+            r"the observation of agent is Box\(.* in the scene and Dict\('a': .* here$",
+        ),
+    ):
+        with pytest.raises(MessageError, match=f"^wrong-scene: {text}"):
+            UnityGymEnv("CartPole", socket=inside(simulated()).socket, **wrong)
+    hello = hello_with({"observation": described(Dict(a=Dict(b=Discrete(2)), c=pole))})
+    given = Dict(a=Dict(b=Discrete(2, start=1)), c=pole)
+    with pytest.raises(MessageError, match=r"Discrete\(2, start=1\) here, at \['a'\]\['b'\]$"):
+        UnityGymEnv("CartPole", given, socket=inside(simulated(), hello=hello).socket)
+
+
+@pytest.mark.parametrize(("dt", "fps"), [(0.02, 50), (0.0, 1000), (-1.0, 1000), (5.0, 0.2), (0.03, 33)])
+def test_a_film_has_pictures_whatever_a_worlds_step_is(dt, fps, inside, make):
+    env = make(UnityGymEnv, "CartPole", socket=inside(simulated(), hello=hello_with(dt=dt)).socket)
+    assert env.metadata["render_fps"] == fps
 
 
 def test_a_simulator_with_other_spaces_does_not_take_the_place_of_one_that_was_lost(here):
     env, simulator = here()
     env.reset()
-    simulator.hello = hello_with({**FINE, "action": ["discrete", 3, 0, "int64"]})
+    simulator.hello = hello_with({"action": ["discrete", 3, 0, "int64"]})
     simulator.lose()
     with pytest.raises(MessageError, match=r"^other-spaces: the simulator before this one had "):
         env.reset()
@@ -400,13 +457,13 @@ def test_half_a_hello_is_none(make, inside):
     endpoint = socket.getsockopt_string(zmq.LAST_ENDPOINT)
     greeting = b"\xff" + bytes(8) + b"\x7f\x03\x00NULL" + bytes(16 + 32)
     ready = b"\x04\x1a\x05READY\x0bSocket-Type\x00\x00\x00\x06DEALER"
-    half = b"\x01" + bytes([200]) + Simulator(CartPole()).hello().frames()[0][:100]
+    half = b"\x01" + bytes([200]) + simulated().hello().frames()[0][:100]
 
     def come_and_leave():
         for rest in (half, b"\x00\x05hello"):
             with sockets.create_connection(("127.0.0.1", int(endpoint.rpartition(":")[2])), timeout=LIMIT) as raw:
                 raw.sendall(greeting + ready.replace(b"\x1a", bytes([len(ready) - 2])) + rest)
-        EnvironmentClient(endpoint, timeout=LIMIT).run(Simulator(CartPole()))
+        EnvironmentClient(endpoint, timeout=LIMIT).run(simulated())
 
     threading.Thread(target=come_and_leave, daemon=True).start()
     env = make(socket=socket, disable_env_checker=True)
@@ -427,14 +484,14 @@ def test_what_strangers_send_while_the_trainer_thinks_does_not_fill_the_memory(h
             stranger.send(bytes(1 << 20))
             sent += 1
     assert 0 < sent < most / 3, "the rest must wait at the stranger's"
-    assert env.step(1)[4] == {}
+    assert env.step(1)[4] == NOTHING_SAID
 
 
 # Closed, forgotten, forked
 
 
 def test_a_step_beyond_the_end_is_refused(here):
-    env, _ = here(lambda request: state(request, mark=TERMINATED if is_step(request) else 0))
+    env, _ = here(lambda request: state(request, mark=SEEN | TERMINATED if is_step(request) else SEEN))
     for _ in range(2):
         env.reset()
         assert env.step(0)[2]
@@ -504,7 +561,7 @@ def test_a_second_ctrl_c_while_it_closes_leaves_no_simulator(make, launch, monke
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patched:
-        patched.setattr(env.unwrapped.connection, "ask", interrupted)
+        patched.setattr(env.unwrapped.simulators.connection, "ask", interrupted)
         with pytest.raises(KeyboardInterrupt):
             env.close()
     assert running.poll() is not None
@@ -527,7 +584,7 @@ def test_a_fork_that_lets_go_of_an_environment_leaves_it_alone(here):
     if not ended[0]:
         os.kill(child, signal.SIGKILL)
     assert os.waitstatus_to_exitcode(ended[1]) == 7
-    assert env.step(1)[4] == {}
+    assert env.step(1)[4] == NOTHING_SAID
 
 
 # Nothing is left

@@ -256,14 +256,14 @@ def test_a_new_episode_begins_in_the_same_exchange(at_work):
     envs = at_work(UnityVectorEnv, "ann ann", num_envs=2, autoreset_mode="SameStep", max_episode_steps=3)
     envs.reset(seed=1)
     exchanges = [envs.step(actions) for actions in (("end", ""), ("", "end"), ("", ""), ("", ""))]
-    both, last = of("ann_0 ann_1", "stepped"), "office stepped"
+    ticks, stepped = of("ann_0 ann_1", "ticks"), [*of("ann_0 ann_1", "stepped"), "office stepped"]
+    both = of("ann_0 ann_1", "sees")
     assert [done(envs, each)[2:] for each in exchanges] == [
-        ["ann_1 ticks", "office ticks", *both, last, "ann_0 sees", "ann_0 begins", *of("ann_0 ann_1", "sees")],
-        ["ann_0 ticks", "office ticks", *both, last, "ann_1 sees", "ann_1 begins", *of("ann_0 ann_1", "sees")],
-        [*of("ann_0 ann_1", "ticks"), "office ticks", *both, last, *of("ann_0 ann_1", "sees")],
+        ["ann_1 ticks", "office ticks", *stepped, "ann_0 sees", "ann_0 begins", *both],
+        ["ann_0 ticks", "office ticks", *stepped, "ann_1 sees", "ann_1 begins", *both],
+        [*ticks, "office ticks", *stepped, *both],
         # The time of the first one is up, by Python's count.
-        [*of("ann_0 ann_1", "ticks"), "office ticks", *both, last]
-        + ["ann_0 sees", "ann_0 begins", *of("ann_0 ann_1", "sees")],
+        [*ticks, "office ticks", *stepped, "ann_0 sees", "ann_0 begins", *both],
     ]
     assert [each[2].tolist() for each in exchanges] == [[True, False], [False, True], [False] * 2, [False] * 2]
     assert [each[3].tolist() for each in exchanges] == [[False] * 2] * 3 + [[True, False]]

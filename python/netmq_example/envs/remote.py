@@ -85,9 +85,11 @@ class Remote:
     def pictures(self) -> list[Any]:
         """Those that the scene draws itself: one of all, or one of each agent. MessageError: it draws none."""
         arrays = self.simulators.ask(Message("render")).arrays
+        if len(arrays) not in (1, len(self.scene.agents) if self.scene else 1):
+            raise MessageError("bad-picture", f"{len(arrays)} pictures are neither one of all nor one of each agent")
         for array in arrays:
             if array.dtype != "uint8" or array.shape[2:] != (3,):
-                raise MessageError("no-picture", f"{array.dtype} {array.shape!s:.60} is not uint8 [height, width, 3]")
+                raise MessageError("bad-picture", f"{array.dtype} {array.shape!s:.60} is not uint8 [height, width, 3]")
         return [array.numpy().copy() for array in arrays]
 
 
