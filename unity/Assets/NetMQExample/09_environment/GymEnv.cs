@@ -1,4 +1,4 @@
-// Lesson 11, the environment itself, for scripts that are no agents, with the names that gymize has.
+// Lesson 09, the environment itself, for scripts that are no agents, with the names that gymize has.
 //
 //     GymEnv.OnInfo += info => Debug.Log(info);         Python's env.unwrapped.send_info("hello")
 //     GymEnv.SendInfo("a goal");                        in the next info["env"]

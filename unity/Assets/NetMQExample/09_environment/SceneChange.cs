@@ -1,4 +1,4 @@
-// Lesson 11 in Unity, a scene that is loaded while Python steps: its GymManager takes the connection of the one before.
+// Lesson 09 in Unity, a scene that is loaded while Python steps: its GymManager takes the connection of the one before.
 using System;
 using System.Collections.Generic;
 using UnityEngine;

@@ -1,4 +1,4 @@
-// Lesson 11 in Unity: what Unity has, such as a Vector3, as numbers.
+// Lesson 09 in Unity: what Unity has, such as a Vector3, as numbers.
 //
 //     Vector2, Vector3, Vector4    x, y, z, w as float32            Vector2Int, Vector3Int    the same as int32
 //     Quaternion                   x, y, z, w, as Unity's constructor and scipy's Rotation.from_quat have them

@@ -1,4 +1,4 @@
-// Lesson 11 in Unity, a sensor: a component that sees for the agents above it. CameraSensor.cs is one; one of your own:
+// Lesson 09 in Unity, a sensor: a component that sees for the agents above it. lesson 11 has one; one of your own:
 //
 //     public sealed class Radar : SensorComponent
 //     {
