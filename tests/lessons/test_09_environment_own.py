@@ -88,9 +88,8 @@ def test_an_action_outside_its_space_is_named_in_one_line(inside, make):
     assert asked(simulator)[-1] == "step" and simulator.simulator.steps == 1
     env = make("NetMQExample/Car-v0", socket=inside(simulated("Car")).socket, disable_env_checker=True)
     env.reset()
-    for action, named in (np.zeros(2), "float64 array"), (np.zeros((9, 9), np.float32), "float32 array"):
-        with pytest.raises(ValueError, match=rf"^action {named}\(.* is not in Box\(-1.0, 1.0, \(2,\), float32\)$"):
-            env.step(action)
+    with pytest.raises(ValueError, match=r"^action float32 array\(.* is not in Box\(-1.0, 1.0, \(2,\), float32\)$"):
+        env.step(np.zeros((9, 9), np.float32))
 
 
 # The trainer
