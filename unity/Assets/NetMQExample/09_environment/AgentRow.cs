@@ -70,8 +70,15 @@ namespace NetMQExample
         /// <summary>Whether it has an action, in real time also one from before.</summary>
         public bool Acts { get; set; }
 
-        /// <summary>What it has seen in the step of its end, where others have begun since then.</summary>
-        public byte[] Last { get; set; }
+        /// <summary>What it has seen in the step of its end, and the form of that: others may have begun since then, or
+        /// it has left.</summary>
+        public (byte[] Bytes, string Form) Last { get; set; }
+
+        /// <summary>Whether this answer has its observation.</summary>
+        public bool Shown { get; set; }
+
+        /// <summary>Whether it is said in a section of its own that it has ended.</summary>
+        public bool Ended { get; set; }
 
         public bool Steps => Order == Order.Step || Order == Order.Last;
 
@@ -147,20 +154,19 @@ namespace NetMQExample
         /// <summary>How many bytes each observation has; below 0: that varies.</summary>
         public int Size => Located ? -1 : Observation.Size;
 
-        /// <summary>Writes an observation.</summary>
-        public void Write(AgentRow row, FrameBuffer to)
+        /// <summary>Writes an observation, and returns its form, where it has one.</summary>
+        public string Write(AgentRow row, FrameBuffer to)
         {
-            if (row.Last != null)
-            {
-                to.Write(row.Last);
-                row.Last = null;
-            }
-            else if (Located) row.Seen.Write(to);
+            var (last, form) = row.Last;
+            row.Last = default;
+            if (last != null) to.Write(last);
+            else if (Located) form = row.Seen.Write(to);
             else
             {
                 row.Agent.Observe(writer.Begin(to));
                 writer.End();
             }
+            return form;
         }
 
         /// <exception cref="MessageException">This agent is of another kind.</exception>
@@ -200,9 +206,7 @@ namespace NetMQExample
     {
         private Source[] sources = new Source[0];
         private string[] keys = new string[0], forms = new string[0];
-
-        /// <summary>The form of the last row, as MessageTree.cs has it.</summary>
-        public string Form { get; private set; }
+        private string whole;
 
         /// <summary>From now on these.</summary>
         public void Set(string agent, IEnumerable<Source> all)
@@ -212,24 +216,24 @@ namespace NetMQExample
             sources = Array.ConvertAll(own, one => one.Source);
             keys = Array.ConvertAll(own, one => $"[{MessageJson.Quoted(one.Text)},");
             forms = new string[own.Length];
-            Form = null;
+            whole = null;
         }
 
-        /// <summary>Writes the numbers of all of them now.</summary>
-        public void Write(FrameBuffer to)
+        /// <summary>Writes the numbers of all of them now, and returns their form.</summary>
+        public string Write(FrameBuffer to)
         {
-            var same = Form != null;
+            var same = whole != null;
             for (var i = 0; i < sources.Length; i++)
             {
                 var form = sources[i].Write(to, forms[i]);
                 same &= ReferenceEquals(form, forms[i]) || form == forms[i];
                 forms[i] = form;
             }
-            if (same) return;
+            if (same) return whole;
             var text = new StringBuilder("[");
             for (var i = 0; i < forms.Length; i++)
                 text.Append(i > 0 ? "," : "").Append(keys[i]).Append(forms[i]).Append(']');
-            Form = text.Append(']').ToString();
+            return whole = text.Append(']').ToString();
         }
     }
 }

@@ -129,7 +129,8 @@ namespace NetMQExample
         private void Hear()
         {
             GymEnv.Simulator = Simulator;
-            Simulator.OnInfo += info => OnInfo?.Invoke(info);
+            var others = Simulator.Others;
+            Simulator.Others = () => others() + OnInfo;
         }
 
         // In the order of the hierarchy. What Unity keeps over all scenes comes last.

@@ -54,7 +54,7 @@ namespace NetMQExample
             { Refuse = (agent, why) => Refuse(agent, why) };
             steps = new SceneSteps(roster, dt) { World = world, Anew = infos.Clear };
             isOrdered = row => row.Order == Order.Reset;
-            hasEnded = row => row.Order == Order.Reset || row.Steps && row.Present && row.Begun && row.State.Over;
+            hasEnded = row => row.Order == Order.Reset || row.Ended;
             isNone = row => false;
         }
 
@@ -236,6 +236,9 @@ namespace NetMQExample
             real.Switch(request.RealTime);
             if (!request.Steps) return;
             Steps += steps.Step(real.On);
+            // Who leaves in the step of its end is seen in it: a frame later there may be nobody.
+            foreach (var row in roster.Rows)
+                if (row.Steps && row.Plays && row.State.Over && !roster.IsThere(row)) row.Last = seen.One(row);
             real.Pass(dt);
             frameLeft = framed;
         }
@@ -246,9 +249,9 @@ namespace NetMQExample
             foreach (var row in roster.Rows)
             {
                 row.Order = Order.Nothing;
-                row.New = row.BeganNow = false;
+                row.New = row.BeganNow = row.Shown = row.Ended = false;
                 row.Acts &= real.On;
-                row.Last = null;
+                row.Last = default;
             }
             for (var i = 0; i < request.Count; i++) Ask(request, request[i]);
             if (idle || request.Count == roster.Kinds.Count) return;
@@ -304,24 +307,31 @@ namespace NetMQExample
             shown.Clear();
             foreach (var row in kind.Rows)
             {
-                if (!row.Steps || !row.Present || !row.Begun) continue;
+                if (!row.Steps || !row.Begun || !row.Present && row.Last.Bytes == null) continue;
                 if (row.Order == Order.Last) row.State.Truncate();
                 if (row.State.Over) shown.Add(row);
             }
             if (shown.Count == 0) return;
+            // Before others begin, which might change what it sees.
             if (!autoreset)
-            {
-                // Before others begin, which might change what it sees.
-                foreach (var row in shown) row.Last = seen.One(kind, row);
-                return;
-            }
+                foreach (var row in shown) row.Last = row.Last.Bytes == null ? seen.One(row) : row.Last;
+            else WriteEnded(kind, answer);
+        }
+
+        private void WriteEnded(AgentKind kind, StepAnswer answer)
+        {
             answer.BeginSection(kind.Place, shown.Count, Columns.Who | Columns.Ended);
             foreach (var row in shown) answer.Who(row.Place);
             seen.Write(kind, shown, answer);
-            for (var i = 0; i < shown.Count; i++) Tell(shown[i], i, answer);
+            for (var i = 0; i < shown.Count; i++)
+            {
+                var (reward, ends) = shown[i].State.Take();
+                answer.Set(i, reward, (Marks)ends | Marks.Seen, shown[i].State.TakeInfo());
+                shown[i].State.ForgetInfo();
+                shown[i].Ended = shown[i].Told = true;
+                shown[i].Begun = false;
+            }
             answer.EndSection();
-            // For the next lines they are still in their episode.
-            foreach (var row in shown) row.Begun = true;
         }
 
         private void See(StepRequest request, StepAnswer answer)
@@ -335,7 +345,11 @@ namespace NetMQExample
                 var kind = roster.Kinds[request[i].Kind];
                 answer.BeginSection(kind.Place, kind.Rows.Count, Columns.None);
                 shown.Clear();
-                foreach (var row in kind.Rows) if (row.Present && (row.Order != Order.Nothing || row.New)) shown.Add(row);
+                foreach (var row in kind.Rows)
+                {
+                    row.Shown = row.Present ? row.Order != Order.Nothing || row.New : row.Last.Bytes != null;
+                    if (row.Shown) shown.Add(row);
+                }
                 seen.Write(kind, shown, answer);
                 foreach (var row in kind.Rows)
                     if (!row.Present || row.Order != Order.Nothing || row.New) Tell(row, row.Place, answer);
@@ -349,9 +363,9 @@ namespace NetMQExample
         private static void Tell(AgentRow row, int at, StepAnswer answer)
         {
             var (reward, ends) = row.State?.Take() ?? (0, 0);
-            // An end in an OnReset belongs to the first step.
-            if (row.Present && (!row.Steps || row.New)) ends = 0;
-            var mark = (Marks)ends | (row.Present ? Marks.Seen : Marks.Absent);
+            // An end is told once; one in an OnReset belongs to the first step.
+            if (!row.Begun || row.New || row.Present && !row.Steps) ends = 0;
+            var mark = (Marks)ends | (row.Present ? 0 : Marks.Absent) | (row.Shown ? Marks.Seen : 0);
             if (row.Present && row.New) mark |= Marks.New;
             row.Told = !row.Present || ends != 0;
             // From now on it must be reset.

@@ -29,9 +29,8 @@ namespace NetMQExample
             var alike = true;
             for (var i = 0; i < rows.Count; i++)
             {
-                kind.Write(rows[i], scratch);
+                forms[i] = kind.Write(rows[i], scratch);
                 ends[i] = scratch.Count;
-                forms[i] = kind.Located ? rows[i].Seen.Form : "";
                 alike &= Size(i) == Size(0) && (ReferenceEquals(forms[i], forms[0]) || forms[i] == forms[0]);
             }
             if (alike) answer.BeginValues(rows.Count, false, kind.Located ? BytesOf(forms[0]) : null)
@@ -40,11 +39,11 @@ namespace NetMQExample
         }
 
         /// <summary>The observation of one agent, as it is now.</summary>
-        public byte[] One(AgentKind kind, AgentRow row)
+        public (byte[] Bytes, string Form) One(AgentRow row)
         {
             scratch.Clear();
-            kind.Write(row, scratch);
-            return scratch.From(0).ToArray();
+            var its = row.Kind.Write(row, scratch);
+            return (scratch.From(0).ToArray(), its);
         }
 
         private int Size(int row) => ends[row] - (row == 0 ? 0 : ends[row - 1]);
