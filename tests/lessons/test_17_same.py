@@ -279,8 +279,8 @@ def test_what_a_hub_has_not_is_refused_in_a_line(make):
     assert said == {"code": "several-agents", "text": f"a scene of 2 agents is no row of 3: {cure}"}
     fleet = Fleet(poles, 2)
     make(netmq_example.envs.UnityVectorEnv, 2, "CartPole", fleet=fleet)
-    for bits, code in (records.SCENE_CLOCK, "scenes-clock"), (records.REAL_TIME, "real-time"):
-        section = records.Section(0, bytes(16), bytes([records.RESET] * 2))
+    for bits, rows, code in (4, 2, "scenes-clock"), (8, 2, "real-time"), (0, 3, "wrong-areas"):
         fleet.heard.clear()
-        fleet.send_multipart([b"hub", *records.Record(records.ASKS, 20 + bits, [section], bits).frames()])
+        section = records.Section(0, bytes(8 * rows), bytes([records.RESET] * rows))
+        fleet.send_multipart([b"hub", *records.Record(records.ASKS, 20 + bits + 8 * rows, [section], bits).frames()])
         assert Message.read(fleet.recv_multipart()[1:]).values["code"] == code
