@@ -93,6 +93,8 @@ class Lesson:
 
     def __post_init__(self) -> None:
         self.number = int(self.key[:2])
+        # Lessons 09 to 11 are one thing, and share theirs.
+        self.port = 5559 if self.number in (10, 11) else 5550 + self.number
         self.python = ROOT / "python" / self.key
         self.unity = PACKAGE / self.key
         self.console = ROOT / "csharp-console" / f"{self.key}.cs"

@@ -49,8 +49,8 @@ def rows(python: Path | None) -> Iterator[Row]:
     mono = quietly(["mono", "--version"], 20)
     absent = "missing; only the Play/Stop tests use it (Debian: mono-devel)"
     yield mono.ok, "Mono", mono.first("version") if mono.ok else absent
-    held = [(5550 + lesson.number, why) for lesson in lessons() if (why := not_free(lesson))]
-    for port, why in held:
+    held = {lesson.port: why for lesson in lessons() if (why := not_free(lesson))}
+    for port, why in held.items():
         yield False, f"port {port}", why
     yield True, "ports", f"those of {'the other' if held else 'all'} lessons are free"
 
@@ -93,7 +93,7 @@ def csharp_rows() -> Iterator[Row]:
 
 def not_free(lesson: Lesson) -> str:
     """Why nobody can listen on the lesson's own port, with the cure; empty if somebody can."""
-    port = 5550 + lesson.number
+    port = lesson.port
     with socket.socket() as probe:
         # As libzmq listens; on Windows the option would mean sharing a taken port.
         if sys.platform != "win32":

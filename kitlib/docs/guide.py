@@ -144,10 +144,10 @@ def printed(source: str) -> tuple[str, ...]:
 
 def with_own_ports(output: str, source: str) -> str:
     """A run takes free ports. Its ready line names the lesson's own; what else listens has the port 100 higher."""
-    number = find(shlex.split(source)[0]).number
+    port = find(shlex.split(source)[0]).port
     found = re.findall(r"\b(\w+) on (?:tcp|http)://127\.0\.0\.1:(\d+)", output)
-    ports = {port: str(number + (5550 if name == "listening" else 5650)) for name, port in found}
-    return re.sub(r"(?<=p://127\.0\.0\.1:)\d+", lambda port: ports.get(port[0], port[0]), output)
+    ports = {free: str(port + (0 if name == "listening" else 100)) for name, free in found}
+    return re.sub(r"(?<=p://127\.0\.0\.1:)\d+", lambda one: ports.get(one[0], one[0]), output)
 
 
 def said(lines: Sequence[str], side: str) -> list[str]:

@@ -24,7 +24,7 @@ with importing("gymnasium; pip install gymnasium, or let kit.py run 9 do it"):
     import gymnasium
     from policies import by_hand
 
-    import netmq_example.envs  # noqa: F401, it registers the environments.
+    import netmq_example.envs.gym_env  # noqa: F401, it registers the environments.
     from netmq_example.messages import LIMIT, MessageError
 
 EPISODES = 10

@@ -22,7 +22,7 @@ from netmq_example.program import run, server_endpoint, whole
 with importing("gymnasium; pip install gymnasium, or let kit.py run 9 do it", stopped="stopped"):
     import gymnasium
 
-    import netmq_example.envs  # noqa: F401, it registers the environments.
+    import netmq_example.envs.gym_env  # noqa: F401, it registers the environments.
     from netmq_example.extras import pip_install
     from netmq_example.messages import MessageError
     from netmq_example.worlds.cross_entropy import GOAL, STEPS, play, train

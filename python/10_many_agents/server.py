@@ -27,7 +27,7 @@ with importing("gymnasium and pettingzoo; kit.py run 10 installs them"):
     import gymnasium
     from players import Crowd, Game, areas
 
-    import netmq_example.envs  # noqa: F401, it registers the environments.
+    import netmq_example.envs.vector_env  # noqa: F401, it registers the environments.
     from netmq_example.envs import UnityParallelEnv
     from netmq_example.messages import LIMIT, MessageError
 

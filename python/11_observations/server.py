@@ -23,7 +23,7 @@ with importing("gymnasium; kit.py run 11 installs it"):
     import gymnasium
     from collector import ACTION, play, seen_space
 
-    import netmq_example.envs  # noqa: F401, it registers the environments.
+    import netmq_example.envs.gym_env  # noqa: F401, it registers the environments.
     from netmq_example.messages import LIMIT, MessageError
 
 EPISODES = 10
