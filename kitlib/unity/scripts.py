@@ -64,14 +64,14 @@ def with_used(scripts: list[Path], key: str, read: Callable[[Path], str]) -> lis
 
 
 def code(script: Path) -> str:
-    """A script as the compiler sees it in Unity."""
-    return re.sub(r"//.*", "", script.read_text(encoding="utf-8", errors="replace"))
+    """A script as the compiler sees it in Unity, without its texts: an error names components, and uses none."""
+    text = re.sub(r"//.*", "", script.read_text(encoding="utf-8", errors="replace"))
+    return re.sub(r'"(?:\\.|[^"\\\n])*"', lambda found: " ".join(["", *re.findall(r"{[^{}]*}", found[0]), ""]), text)
 
 
 def plain_code(script: Path) -> str:
-    """A script as the compiler sees it without Unity, and without the texts of its errors, which name components."""
-    compiled = re.sub(r"#if UNITY_.*?#endif", "", code(script), flags=re.DOTALL)
-    return re.sub(r'"(?:\\.|[^"\\\n])*"', lambda text: " ".join(["", *re.findall(r"{[^{}]*}", text[0]), ""]), compiled)
+    """A script as the compiler sees it without Unity."""
+    return re.sub(r"#if UNITY_.*?#endif", "", code(script), flags=re.DOTALL)
 
 
 @functools.cache
@@ -84,7 +84,7 @@ def types(script: Path) -> list[str]:
 def uses(code: str, name: str) -> bool:
     """True if the code names this class: `e.Message` does not name the class Message, nor does a member of that name
     and of another type."""
-    if re.search(rf"\b(?!{name}\b)\w+ {name} {{ get", code):
+    if re.search(rf"\b(?!{name}\b|new\b)\w+ {name}(?: {{ get|\()", code):
         return False
     return re.search(rf"(?<![\w.]){name}\b(?!:)", code) is not None
 

@@ -10,6 +10,7 @@ import uuid
 
 import pytest
 
+from kitlib.docs import guide
 from kitlib.lessons import find
 from kitlib.unity.scripts import code, of_lesson, with_used
 from tests.conftest import PYTHON
@@ -198,49 +199,29 @@ for i in range(1000):
     env.step()
 env.close()
 """
-# The scene: an environment with lesson 13's three methods. Its episodes have ten steps, and in the fourth of them all
+# The scene: an agent, and the page's manager of lesson 13. Its episodes have ten steps, and in the fourth of them all
 # somebody presses Space.
-WORLD = """using System.Collections.Generic;
-using NetMQExample;
-using NetMQExample.SideChannels;
+WORLD = """using NetMQExample;
 using UnityEngine;
 
-public sealed class World : PythonEnvironment
+public sealed class World : Agent
 {
     private int steps, all;
 
-    public override string Name => "World";
-    public override double Dt => 0.02;
     public override GymSpace Observation { get; } = GymSpace.Box(new[] { 0.0 }, new[] { 10.0 });
     public override GymSpace Action { get; } = GymSpace.Discrete(3);
-    public override void ResetWorld(
-        RandomGenerator random, IReadOnlyDictionary<string, object> options, double[] state) => steps = 0;
+    public override void OnReset() => steps = 0;
     public override void Observe(SpaceWriter seen) => seen.Add(steps);
-    public override (double Reward, bool Terminated, bool Truncated) RewardAndEnd(IDictionary<string, object> info) =>
-        (1, steps == 10, false);
 
-    protected override void Act(SpaceReader action)
+    public override void OnAction(SpaceReader action)
     {
         steps++;
         if (++all == 4) UnityPlayer.Player.Press(0, 0, KeyCode.Space);
-    }
-
-    protected override SimulatorBase MakeSimulator() => new SideChannelSimulator(base.MakeSimulator());
-
-    protected override void Begin()
-    {
-        SideChannelManager.Report = new Trouble(Debug.LogWarning).Report;
-        Academy.Instance.Begin(EngineSettings.Apply);
-        base.Begin();
-    }
-
-    protected override void OnDisable()
-    {
-        base.OnDisable();
-        Academy.Instance.Dispose();
+        if (steps == 10) Terminate();
     }
 }
 """
+(MANAGER,) = [block.body for block in guide.blocks(GUIDE / "13_side_channels.md") if "MakeSimulator" in block.body]
 OLD, NEW = (OLD_CHANNEL, OLD_REGISTER, OLD_PYTHON), (NEW_CHANNEL, NEW_REGISTER, NEW_PYTHON)
 
 
@@ -253,7 +234,8 @@ def moved(text: str) -> str:
 def test_the_example_of_the_documentation_runs(channel, register, script, tmp_path, start, console, netmq):
     port = steady_port()
     old = channel is OLD_CHANNEL
-    for name, text in ("StringLogSideChannel", channel), ("Register", register), ("World", WORLD):
+    scripts = {"World": WORLD, "MyManager": MANAGER, "StringLogSideChannel": channel, "Register": register}
+    for name, text in scripts.items():
         assert "MLAgents" not in moved(text)
         (tmp_path / f"{name}.cs").write_text(moved(text), encoding="utf-8")
     # The scene's port is this test's own.
@@ -265,7 +247,7 @@ def test_the_example_of_the_documentation_runs(channel, register, script, tmp_pa
     script = script.replace(*RAW) if old else script
     (tmp_path / "log.py").write_text(script, encoding="utf-8")
     python = start(PYTHON, tmp_path / "log.py", PYTHONPATH=str(ROOT / "python"))
-    files = [tmp_path / f"{name}.cs" for name in ("World", "StringLogSideChannel", "Register")]
+    files = [tmp_path / f"{name}.cs" for name in scripts]
     player = start(PYTHON, ROOT / "kit.py", "play", *files, "--endpoint", f"tcp://127.0.0.1:{port}")
     assert python.wait(2 * LIMIT) == 0, python.output + player.output
     # An error was logged.
@@ -286,7 +268,7 @@ def test_the_page_says_each_replacement():
 
 
 def test_the_examples_that_the_page_lets_one_delete_are_used_by_nothing_else():
-    (listed,) = re.findall(r"delete the examples: (.*?)\.$", PAGE, re.DOTALL | re.MULTILINE)
+    (listed,) = re.findall(r"delete the\s+examples: (.*?)\.$", PAGE, re.DOTALL | re.MULTILINE)
     gone = re.findall(r"`(\w+)`", listed)
     copied = {script for lesson in ("13", "9") for script in of_lesson(find(lesson).unity) if script.suffix == ".cs"}
     left = {script for script in copied if not {script.stem, script.parent.name} & {*gone}}
@@ -304,6 +286,7 @@ class Corridor(Agent):
     observation = Dict(done=Box(-9, 9, (2,)), step=Box(0, 9, ()))
 
     def __init__(self, action=None, last=(5, True)):
+        super().__init__()
         self.action, (self.end, self.terminates) = action or Box(-1, 1, (2,)), last
 
     def on_reset(self):
@@ -312,14 +295,12 @@ class Corridor(Agent):
     def on_action(self, action):
         self.steps += 1
         self.done = np.resize(action, 2)
-
-    def on_stepped(self):
-        self.reward += 0.5
+        self.reward = 0.5
         over = self.steps == self.end
         self.terminated, self.truncated = over and self.terminates, over and not self.terminates
 
     def observe(self):
-        return {"done": self.done, "step": self.steps}
+        return {"done": self.done.astype(np.float32), "step": np.array(self.steps, np.float32)}
 
 
 @pytest.fixture
@@ -330,8 +311,8 @@ def corridor():
     def make(*words, **more):
         port = steady_port()
         client = EnvironmentClient(f"tcp://127.0.0.1:{port}", timeout=LIMIT)
-        simulator = SceneSimulator(Scene("Corridor", [Corridor(*words)]))
-        threads.append(threading.Thread(target=client.run, args=(simulator,), daemon=True))
+        scene = SceneSimulator(Scene("Corridor", [Corridor(*words)]))
+        threads.append(threading.Thread(target=client.run, args=(scene,), daemon=True))
         threads[-1].start()
         made.append(UnityEnvironment(base_port=port - 3, worker_id=3, **more))
         return made[-1]
@@ -426,7 +407,7 @@ def test_whole_numbers_that_are_several(corridor):
 
 
 def test_what_is_wrong_is_said_in_one_line(corridor):
-    with pytest.raises(ValueError, match=r"^ML-Agents has no action Text\(.*: take lesson 09's environment"):
+    with pytest.raises(ValueError, match=r"^ML-Agents has no action Text\(.*: take gymnasium.make"):
         corridor(Text(3))
     env = corridor()
     (name,) = env.behavior_specs

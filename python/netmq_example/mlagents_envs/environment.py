@@ -223,7 +223,7 @@ def action_spec(space: Any) -> ActionSpec:
         return ActionSpec(int(np.prod(space.shape)), ())
     if isinstance(space, spaces.Discrete | spaces.MultiDiscrete):
         return ActionSpec(0, tuple(np.ravel(space.n if isinstance(space, spaces.Discrete) else space.nvec).tolist()))
-    raise ValueError(f"ML-Agents has no action {space!s:.80}: take lesson 09's environment, gymnasium.make")
+    raise ValueError(f"ML-Agents has no action {space!s:.80}: take gymnasium.make")
 
 
 def written(space: Any, action: ActionTuple) -> Any:
