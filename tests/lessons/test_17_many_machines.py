@@ -21,11 +21,8 @@ KEY = "17_many_machines"
 TRAIN = ROOT / "python" / KEY / "train.py"
 import netmq_example.envs  # noqa: E402, F401
 from netmq_example import messages  # noqa: E402
-from netmq_example.fleet.hub import Hub  # noqa: E402
 from netmq_example.fleet.members import Episode, Member, Part  # noqa: E402
-from netmq_example.fleet.simulator import FleetSimulator  # noqa: E402
 from netmq_example.fleet.trainer import FleetSocket  # noqa: E402
-from netmq_example.scene import Scene, SceneSimulator  # noqa: E402
 from netmq_example.scene.agent import begin  # noqa: E402
 from netmq_example.security import keys  # noqa: E402
 from netmq_example.wire.records import ANSWERS, ASKS, RESET, STEP, Record, Section, read, seeds  # noqa: E402
@@ -303,35 +300,3 @@ def test_a_client_without_a_hub_says_why(kind, runs, tmp_path):
     found = runs(kind, KEY, [["--endpoint", each, "--keys", str(tmp_path), "--timeout", "2"] for each in table])
     for text, run in zip(table.values(), found, strict=True):
         assert run.code == 1 and text in run.lines[-1], run
-
-
-class Sent(list):
-    """A hub's socket: the messages that it has sent."""
-
-    def send_multipart(self, frames, flags=0):
-        self.append(messages.Message.read(frames[1:]))
-
-
-def test_a_hub_that_was_away_says_first_what_is_missing():
-    """On a busy machine it comes to a trainer late, and would have told it nothing but that it is alive."""
-    hub = Hub(sent := Sent())
-    hub.take(b"trainer", messages.Message("join", 0, {"name": "CartPole", "areas": 2}).frames())
-    hub.trainers[b"trainer"].sent -= 10
-    hub.tick()
-    assert [(one.kind, one.values) for one in sent] == [("alive", {"simulators": 0, "taken": 0})]
-
-
-def test_a_hub_that_was_stopped_sends_nobody_home():
-    """As by `docker compose pause`, or on a virtual machine that was saved: all of them were asleep."""
-    hub = Hub(sent := Sent())
-    hub.take(b"simulator", FleetSimulator(SceneSimulator(Scene("CartPole", [CartPole()], DT))).hello().frames())
-    hub.tick()
-    (member,) = hub.members.values()
-    for clock in (vars(hub), vars(member)):
-        clock |= {name: at - 100 for name, at in clock.items() if isinstance(at, float) and at > 60}
-    hub.tick()
-    assert hub.members and "close" not in [one.kind for one in sent]
-    member.heard -= 100
-    hub.ticked -= 1
-    hub.tick()
-    assert not hub.members and sent[-1].kind == "close", "this one was silent"

@@ -279,8 +279,9 @@ def test_what_a_hub_has_not_is_refused_in_a_line(make):
     assert said == {"code": "several-agents", "text": f"a scene of 2 agents is no row of 3: {cure}"}
     fleet = Fleet(poles, 2)
     make(netmq_example.envs.UnityVectorEnv, 2, "CartPole", fleet=fleet)
-    for bits, rows, code in (4, 2, "scenes-clock"), (8, 2, "real-time"), (0, 3, "wrong-areas"):
+    wrong = (4, 2, "scenes-clock"), (8, 2, "real-time"), (0, 3, "wrong-areas")
+    for id, (bits, rows, code) in enumerate(wrong, 20):
         fleet.heard.clear()
         section = records.Section(0, bytes(8 * rows), bytes([records.RESET] * rows))
-        fleet.send_multipart([b"hub", *records.Record(records.ASKS, 20 + bits + 8 * rows, [section], bits).frames()])
+        fleet.send_multipart([b"hub", *records.Record(records.ASKS, id, [section], bits).frames()])
         assert Message.read(fleet.recv_multipart()[1:]).values["code"] == code

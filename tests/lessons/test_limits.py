@@ -12,15 +12,14 @@ import zmq
 
 from kitlib.lessons import Lesson
 from netmq_example import arguments
-from netmq_example.fleet import hub, members, trainers
-from netmq_example.fleet.hub import Hub
-from netmq_example.messages import Array, Message
+from netmq_example.fleet import hub, members
+from netmq_example.messages import Message
 from netmq_example.mlagents_envs import carrier
 from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
 from netmq_example.wire import records
-from netmq_example.wire.records import ANSWERS, ASKS, Record
 from tests.conftest import PYTHON
 from tests.lessons.conftest import bind
+from tests.lessons.fleets import Hall, asks, kinds, state
 from tests.lessons.test_contract import KEYS, secrets
 from tests.programs import ROOT, Program, python_runs
 
@@ -79,84 +78,46 @@ def test_what_the_gate_takes(tmp_path, looked_at):
     assert "67108864 2 1000" in found.lines, found
 
 
-class Fleet:
-    """A hub, its socket, and what it has sent to whom."""
-
-    def __init__(self):
-        self.sent = {}
-        self.hub = Hub(self, report=lambda line: None)
-
-    def send_multipart(self, frames, flags=0):
-        peer, *message = frames
-        self.sent[peer] = records.read_frames(message[0][0], message)
-
-    def takes(self, peer, message):
-        """The code of the error that it says to this peer now, if it does."""
-        self.sent.pop(peer, None)
-        self.hub.take(peer, message.frames())
-        self.hub.ticked = 0
-        self.hub.tick()
-        return self.code(peer)
-
-    def code(self, peer):
-        said = self.sent.get(peer)
-        return said.values["code"] if isinstance(said, Message) and said.kind == "error" else None
-
-
 @pytest.fixture
-def fleet():
-    return Fleet()
+def hall(monkeypatch):
+    return Hall(monkeypatch)
 
 
-def hello(name, size=1):
-    return Message("hello", 0, {"name": name, "dt": 0.02}, [Array("uint8", (size,), bytes(size))])
-
-
-def asks(id, order, size, areas=1):
-    return Record(ASKS, id, bytes(8 * areas), [order] * areas, [bytes(size)] * areas)
-
-
-def test_the_hellos_of_all_names_have_a_limit(fleet, monkeypatch):
+def test_the_hellos_of_all_names_have_a_limit(hall, monkeypatch):
     monkeypatch.setattr(hub, "MOST_HELLO_BYTES", 10_000)
-    codes = [fleet.takes(b"%d" % number, hello(f"World {number}", 3000)) for number in range(4)]
-    assert codes == [None, None, "too-many-worlds", "too-many-worlds"]
+    large = kinds("Pole", space="x" * 3000)
+    codes = [hall.simulator(b"%d" % number, large, name=f"World {number}") for number in range(4)]
+    assert codes == [hall, hall, "too-many-worlds", "too-many-worlds"]
     # Another one of a name that is here takes no more room.
-    assert fleet.takes(b"5", hello("World 0", 3000)) is None
+    assert hall.simulator(b"5", large, name="World 0") is hall
     monkeypatch.setattr(members, "LARGEST_HELLO_BYTES", 4000)
-    assert fleet.takes(b"6", hello("World 6", 5000)) == "too-big"
+    assert hall.simulator(b"6", kinds("Pole", space="x" * 5000), name="World 6") == "too-big"
 
 
-def begun(fleet, peer, areas=1):
-    """A trainer of a name of its own whose first request is to come, and its simulators."""
-    simulators = [b"%s %d" % (peer, number) for number in range(areas)]
-    for each in simulators:
-        assert fleet.takes(each, hello(peer.decode())) is None
-    assert fleet.takes(peer, Message("join", 0, {"name": peer.decode(), "areas": areas})) is None
-    assert fleet.sent[peer].kind == "hello"
-    return simulators
-
-
-def test_the_episodes_of_all_trainers_have_a_limit(fleet, monkeypatch):
+def test_the_episodes_of_all_trainers_have_a_limit(hall, monkeypatch):
     monkeypatch.setattr(hub, "MOST_BYTES", 10_000)
-    for peer in b"one", b"two", b"three":
-        begun(fleet, peer)
-    codes = [fleet.takes(peer, asks(1, records.RESET, 4000)) for peer in (b"one", b"two", b"three")]
-    assert codes == [None, None, "too-much"]
+    peers = b"one", b"two", b"three"
+    for peer in peers:
+        hall.simulator(b"of " + peer, name=peer.decode())
+        assert hall.trainer(peer, name=peer.decode()) == "hello"
+    large = asks(records.RESET)
+    large.said = bytes(4000)
+    assert [hall.code(peer, large, 1) for peer in peers] == [None, None, "too-much"]
     # The room of a trainer that leaves is free again.
-    fleet.takes(b"one", Message("close", 2))
-    assert fleet.takes(b"three", asks(2, records.RESET, 4000)) is None
+    hall.say(b"one", Message("close"), 2)
+    hall.wait()
+    assert hall.code(b"three", large, 2) is None
 
 
-def test_an_areas_answer_has_its_part_of_a_message(fleet, monkeypatch):
-    monkeypatch.setattr(trainers, "LIMIT", 10_000)
-    for size, code in (4000, None), (6000, "too-big"):
-        peer = b"trainer %d" % size
-        simulators = begun(fleet, peer, areas=2)
-        fleet.takes(peer, asks(1, records.RESET, 0, areas=2))
-        for each in simulators:
-            fleet.takes(each, Record(ANSWERS, fleet.sent[each].id, bytes(8), [0], [bytes(size)]))
-        assert fleet.sent[peer].id == 1
-        assert fleet.code(peer) == code
+def test_areas_whose_answers_are_more_than_a_message_begin_anew(hall, monkeypatch):
+    hall.simulator(b"1").simulator(b"2").trainer(areas=2)
+    monkeypatch.setattr(records, "LIMIT", 10_000)
+    for id, size, code in (1, 4000, None), (2, 6000, "too-big"), (3, 4000, None):
+        hall.say(b"trainer", asks(records.RESET, records.RESET), id)
+        for peer in b"1", b"2":
+            hall.answer(peer, state(bytes(size)))
+        assert hall.last(b"trainer").id == id
+        assert (hall.last(b"trainer").kind == "error") == bool(code)
 
 
 @pytest.fixture
@@ -215,7 +176,8 @@ def test_a_state_that_is_no_state(context):
             trainer.send_multipart([name, *Message("welcome").frames()])
             simulator.wait_for("^simulating")
             options = trees.write({"state": np.zeros(20 * MEGABYTE, np.uint8)})
-            reset = Record(ASKS, 1, bytes(8), [records.RESET], [b""], options=options)
+            reset = asks(records.RESET, id=1)
+            reset.said = options
             before = most_taken(simulator)
             trainer.send_multipart([name, *reset.frames()])
             said = Message.read(trainer.recv_multipart()[1:]).values
