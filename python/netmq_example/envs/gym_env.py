@@ -109,7 +109,7 @@ class UnityGymEnv(MadeAnew, Rendered, gymnasium.Env[Any, Any]):
         # The scene gets a seed each time, so that an episode never depends on the one before.
         seed = int(self.np_random.integers(EXACT)) if seed is None else int(seed)
         with refused_reset(self):
-            answer = self.remote.begin(lambda _: [self.reset_section(seed)], options or {})
+            answer = self.remote.begin(lambda _: [self.reset_section(seed)], options)
             section = answer.sections[0]
             if section.marks[self.row] & ABSENT:
                 raise MessageError("unknown-agent", f"agent {self.agent_name} is not in the scene now")

@@ -153,7 +153,7 @@ class UnityParallelEnv(MadeAnew, Rendered, ParallelEnv):  # type: ignore[misc, u
         # The scene gets a seed each time, so that an episode never depends on the one before.
         seed = int(self.random.integers(EXACT)) if seed is None else int(seed)
         with refused_reset(self):
-            answer = self.remote.begin(lambda _: [reset_section(team, seed) for team in self.teams], options or {})
+            answer = self.remote.begin(lambda _: [reset_section(team, seed) for team in self.teams], options)
             outcomes = self.outcomes(answer, begins=True)
         self.next = time.monotonic() + self.dt
         self.begun = True

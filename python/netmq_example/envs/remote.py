@@ -64,7 +64,7 @@ class Remote:
         answer: Record = self.simulators.ask(Record(ASKS, 0, sections, self.bits | bits, said))
         return answer
 
-    def begin(self, sections: Sections, options: dict[str, Any], bits: int = 0) -> Record:
+    def begin(self, sections: Sections, options: dict[str, Any] | None, bits: int = 0) -> Record:
         """The answer of the simulator, or of the next one: `sections` gets the error that was raised before."""
         said = options_as_bytes(options)
         begun: Record = self.simulators.begin(self.accept, lambda lost: self.ask(sections(lost), said, bits))

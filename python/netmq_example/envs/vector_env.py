@@ -91,6 +91,9 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
         self.num_envs = check.count("num_envs", num_envs)
         self.given = observation_space, action_space
         self.agent_name = None if agent_name is None else arguments.text("agent_name", agent_name)
+        if autoreset_mode not in [*AutoresetMode, *(mode.value for mode in AutoresetMode)]:
+            modes = ", ".join(mode.value for mode in AutoresetMode)
+            raise ValueError(f"autoreset_mode takes one of {modes}, not {autoreset_mode!r:.40}")
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.observation_mode = "same"
         self.render_fps = render_fps
@@ -134,13 +137,13 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
             )
         self.single_observation_space = agreed(kind, "observation", self.given[0])
         self.single_action_space = agreed(kind, "action", self.given[1])
+        most = self.num_envs * (codec_of(self.single_observation_space).size or 0)
+        if most > LIMIT:
+            raise ValueError(f"{most} bytes of {self.num_envs} agents are more than a message has, {LIMIT}")
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self.seen = observations_of(self.single_observation_space, kind)
         self.actions = Actions(self.single_action_space, kind, checks=self.simulators.fleet)
-        most = self.num_envs * (codec_of(self.single_observation_space).size or 0)
-        if most > LIMIT:
-            raise ValueError(f"{most} bytes of {self.num_envs} agents are more than a message has, {LIMIT}")
         fps = self.render_fps or scene.frames_per_second(kind)
         self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode, "render_fps": fps}
         self.everybody = bytes([STEP]) * self.num_envs
