@@ -20,26 +20,25 @@ from typing import Any
 import gymnasium
 import numpy as np
 from gymnasium.spaces import Space
-from gymnasium.utils import seeding
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space, iterate
 
 from netmq_example import arguments, check
 from netmq_example.envs.actions import Actions
 from netmq_example.envs.common import MadeAnew, checked_options
+from netmq_example.envs.episodes import Episodes
 from netmq_example.envs.gym_env import check_space
 from netmq_example.envs.infos import Infos, scene_infos
 from netmq_example.envs.kinds import Kind, SceneHello, agreed
 from netmq_example.envs.observations import NOBODY, observations_of
-from netmq_example.envs.remote import GONE, Remote, is_seed, refused_reset
+from netmq_example.envs.remote import GONE, Remote, refused_reset
 from netmq_example.envs.rendering import MODES, Rendered, check_words
 from netmq_example.errors import Lost
-from netmq_example.messages import EXACT, LIMIT, MessageError
+from netmq_example.messages import LIMIT, MessageError
 from netmq_example.wire.records import (
     ABSENT,
     AUTORESET,
     ENDED,
-    LAST,
     NOTHING,
     RESET,
     SEEN,
@@ -98,20 +97,13 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
         self.observation_mode = "same"
         self.render_fps = render_fps
         unlimited = max_episode_steps is None or max_episode_steps == -1
-        self.limit = 0 if unlimited else check.count("max_episode_steps", max_episode_steps)
+        limit = 0 if unlimited else check.count("max_episode_steps", max_episode_steps)
+        self.episodes = Episodes(self.num_envs, limit)
         self.kind: Kind | None = None
         self.begun = False
-        # Generators, each with the seed that it was made of; and the seed of each agent's next episode, which is drawn
-        # ahead, since an episode may begin before anybody asks for it.
-        self.randoms = [seeding.np_random() for _ in range(self.num_envs)]
-        self.next = np.zeros(self.num_envs, np.int64)
-        self.draw(range(self.num_envs))
         # Whose episode is over, and who is away; or None, if nobody is.
         self.over: Any = None
         self.gone: Any = None
-        # Steps of each episode, and how many are left until the first one's time is up.
-        self.steps = np.zeros(self.num_envs, int)
-        self.left = 0
         self.infos = Infos(self.num_envs)
         # What those have said whose episode has ended, while another one has begun in the same step.
         self.final_infos: dict[int, dict[str, Any]] = {}
@@ -158,31 +150,11 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
             raise ValueError(f"reset_mask must be {self.num_envs} times true or false, one of them true: {mask!r:.80}")
         if not self.begun and not mask.all():
             raise gymnasium.error.ResetNeeded("the first reset is one of all: leave reset_mask out")
-        self.plant(seed, mask)
+        self.episodes.plant(seed, mask)
         with refused_reset(self):
             seen = self.begin(mask, options)
         self.filmed(begins=True)
         return seen, self.infos.gathered()
-
-    def plant(self, seed: Any, mask: Any) -> None:
-        """A seed for each agent, None where its generator draws one."""
-        if seed is None:
-            return
-        if is_seed(seed):
-            seed = [int(seed) + agent for agent in range(self.num_envs)]
-        each = list(seed) if np.iterable(seed) and not isinstance(seed, str) else [seed]
-        if len(each) != self.num_envs or not all(one is None or is_seed(one) for one in each):
-            raise ValueError(
-                f"{len(each)} seeds are not one for each of {self.num_envs} agents, below 2**53: {each!r:.80}"
-            )
-        for agent in np.flatnonzero(mask):
-            if each[agent] is not None:
-                self.randoms[agent] = seeding.np_random(int(each[agent]))
-                self.next[agent] = each[agent]
-
-    def draw(self, agents: Any) -> None:
-        for agent in agents:
-            self.next[agent] = self.randoms[agent][0].integers(EXACT)
 
     def begin(self, mask: Any, options: dict[str, Any]) -> Any:
         """Observations. In another simulator all begin anew: those not asked to are lost."""
@@ -196,28 +168,23 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
                 new = np.ones(self.num_envs, bool)
                 why = str(lost)
             marks = np.where(new, RESET, NOTHING).astype(np.uint8).tobytes()
-            return [Section(kind.at, (self.next + kind.first).tobytes(), marks)]
+            return [Section(kind.at, (self.episodes.next + kind.first).tobytes(), marks)]
 
         answer = self.remote.begin(sections, options)
-        self.draw(np.flatnonzero(new))
-        self.read(answer, set(np.flatnonzero(new).tolist()))
+        self.episodes.begun(np.flatnonzero(new))
+        self.read(answer, new)
         for agent in np.flatnonzero(new & ~mask):
             self.infos.add(int(agent), {"lost": why})
         seen = self.seen.batch()
         self.over = some(None if self.over is None else self.over & ~new)
-        self.steps[new] = 0
-        self.count_again()
         self.begun = True
         return seen
 
-    def count_again(self) -> None:
-        """How many steps are left until somebody's time is up."""
-        self.left = self.limit - int(self.steps.max()) if self.limit else 0
-
-    def read(self, answer: Record, begins: Any) -> tuple[Section, Any]:
+    def read(self, answer: Record, again: Any) -> tuple[Section, Any]:
         """The section of what is now, and one of those that have ended, or None."""
         now = answer.sections[0]
         ended = next((one for one in answer.sections[1:] if one.columns & ENDED), None)
+        begins: Any = NOBODY if again is None else set(np.flatnonzero(again).tolist())
         if ended:
             begins = {*begins, *ended.whose()}
         everyone = {"env": scene_infos(answer.said)} if answer.said else None
@@ -226,7 +193,7 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
         if self.gone is not None:
             for agent in np.flatnonzero(self.gone):
                 self.infos.add(int(agent), {"lost": GONE})
-        self.seen.take(now, begins or NOBODY)
+        self.seen.take(now, begins)
         return now, ended
 
     def step(self, actions: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
@@ -248,10 +215,7 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
             answer = self.actions.asked(lambda batch: self.ask_step(batch, again), self.action_space, actions)
         except Lost as lost:
             return self.lost(str(lost))
-        if again is not None:
-            self.steps[again] = -1
-        self.steps += 1
-        self.left -= 1
+        self.episodes.stepped(again)
         results = self.results(answer, again)
         self.filmed(begins=False)
         return results
@@ -259,38 +223,27 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
     def ask_step(self, actions: Any, again: Any) -> Record:
         """One step of all agents. Those of `again` are reset in place of it."""
         kind: Any = self.kind
-        marks = self.everybody
+        marks, steps = self.episodes.orders(again, self.gone)
+        bits = AUTORESET if self.autoreset_mode == AutoresetMode.SAME_STEP else 0
         numbers = self.zeros
-        bits = 0
-        steps = None
-        if again is not None or self.gone is not None or (self.limit and self.left <= 1):
-            orders = np.full(self.num_envs, STEP, np.uint8)
-            if self.limit:
-                orders[self.steps + 1 >= self.limit] = LAST
-            begins = [mask for mask in (again, self.gone) if mask is not None]
-            if begins:
-                steps = ~np.logical_or.reduce(begins)
-                orders[~steps] = RESET
-            marks = orders.tobytes()
-        if self.autoreset_mode == AutoresetMode.SAME_STEP:
-            bits = AUTORESET
         if bits or steps is not None:
-            numbers = (self.next + kind.first).tobytes()
-        section = Section(kind.at, numbers, marks)
+            numbers = (self.episodes.next + kind.first).tobytes()
+        section = Section(kind.at, numbers, marks or self.everybody)
         self.actions.put_batch(section, actions, steps)
         answer = self.remote.ask([section], bits=bits)
         if steps is not None:
-            self.draw(np.flatnonzero(~steps))
+            self.episodes.draw(np.flatnonzero(~steps))
         return answer
 
     def results(self, answer: Record, again: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
         was_gone = self.gone
-        before = self.seen.batch() if self.autoreset_mode == AutoresetMode.SAME_STEP and self.may_end(answer) else None
-        now, ended = self.read(answer, set() if again is None else set(np.flatnonzero(again).tolist()))
+        quiet = answer.sections[0].marks == self.all_seen and len(answer.sections) == 1
+        before = self.seen.batch() if self.autoreset_mode == AutoresetMode.SAME_STEP and not quiet else None
+        now, ended = self.read(answer, again)
         rewards = np.frombuffer(now.numbers, np.float64).copy()
         if not math.isfinite(rewards.sum()):
             raise MessageError("bad-reward", f"the rewards are {rewards!s:.80}")
-        if now.marks == self.all_seen:
+        if quiet:
             terminated, truncated = np.zeros(self.num_envs, bool), np.zeros(self.num_envs, bool)
         else:
             marks = np.frombuffer(now.marks, np.uint8)
@@ -300,24 +253,17 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
             # Whoever leaves is cut, once; whoever is away has no episode that could end.
             truncated |= self.gone & ~terminated & (True if was_gone is None else ~was_gone)
         seen = self.seen.batch()
-        if self.limit and self.left <= 0:
-            truncated |= (self.steps >= self.limit) & (True if self.gone is None else ~self.gone)
+        up = self.episodes.up() if self.episodes.may_be_up else None
+        if up is not None:
+            truncated |= up & (True if self.gone is None else ~self.gone)
         if ended is not None:
             self.end(ended, rewards, terminated, truncated)
-        quiet = (
-            ended is None and self.gone is None and now.marks == self.all_seen and not (self.limit and self.left <= 0)
-        )
-        self.over = None if quiet else some(terminated | truncated)
+        self.over = None if quiet and up is None else some(terminated | truncated)
         infos = self.infos.gathered()
         if self.autoreset_mode == AutoresetMode.SAME_STEP and self.over is not None:
             infos = self.with_finals(infos, before)
             self.over = None
-        if self.limit and self.left <= 0:
-            self.count_again()
         return seen, rewards, terminated, truncated, infos
-
-    def may_end(self, answer: Record) -> bool:
-        return len(answer.sections) > 1 or answer.sections[0].marks != self.all_seen
 
     def end(self, ended: Section, rewards: Any, terminated: Any, truncated: Any) -> None:
         """Those that have ended, and begun anew."""
@@ -331,10 +277,8 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
         rewards[who] = numbers
         marks = np.frombuffer(ended.marks, np.uint8)
         terminated[who] = marks & TERMINATED > 0
-        timed_out = self.steps[who] >= self.limit if self.limit else False
-        truncated[who] = (marks & TERMINATED == 0) | (marks & TRUNCATED > 0) | timed_out
-        self.steps[who] = 0
-        self.draw(who)
+        truncated[who] = (marks & TERMINATED == 0) | (marks & TRUNCATED > 0) | self.episodes.up()[who]
+        self.episodes.begun(who)
         self.last = observations_of(self.single_observation_space, kind)
         self.last.take(ended)
         infos = Infos(self.num_envs, ended)
@@ -395,8 +339,8 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
         return tuple(each)
 
     # As Gymnasium's own vector environments have them: one for each agent.
-    np_random = property(lambda self: tuple(random for random, _ in self.randoms))
-    np_random_seed = property(lambda self: tuple(seed for _, seed in self.randoms))
+    np_random = property(lambda self: tuple(random for random, _ in self.episodes.randoms))
+    np_random_seed = property(lambda self: tuple(seed for _, seed in self.episodes.randoms))
 
     def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
         """The attribute that an environment of one agent would have, once for each: only pictures differ."""
