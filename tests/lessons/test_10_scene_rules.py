@@ -158,6 +158,8 @@ class Silent(Agent):
 
 COD = Fish("cod")
 REFUSED = [
+    (scene_of(), "Sea has no agents: give its Scene one at least"),
+    (lambda: Scene("Sea", [COD], at_most=[3]), r"at_most takes a Mapping or None, not \[3\]"),
     (
         scene_of(Fish("cod_1"), Fish("cod_1")),
         "two agents have one name: 'cod_1', 'cod_1'; each needs a name of its own",
@@ -178,7 +180,7 @@ REFUSED = [
 
 @pytest.mark.parametrize(("make", "said"), REFUSED)
 def test_agents_that_cannot_be_in_one_scene_are_named(make, said):
-    with pytest.raises(ValueError, match=said):
+    with pytest.raises((ValueError, TypeError), match=said):
         make()
 
 

@@ -30,6 +30,8 @@ class Roster:
         # Also those that have left, and may come back.
         known = [agent for kind in before.kinds for agent in kind.last if agent] if before else []
         agents = known + [agent for agent in scene.agents if not any(one is agent for one in known)]
+        if not agents:
+            raise ValueError(f"{scene.name} has no agents: give its Scene one at least")
         groups: dict[str, list[Agent]] = {}
         for agent in agents:
             groups.setdefault(parted(agent.name)[0], []).append(agent)

@@ -30,6 +30,7 @@ class Scene:
         self.agents = list(agents)
         for agent in self.agents:
             check_agent(agent)
+        check.instance("at_most", at_most, Mapping, type(None))
         self.at_most = {name: check.count("at_most", most) for name, most in dict(at_most or {}).items()}
         self.infos = Infos()
 

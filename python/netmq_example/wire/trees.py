@@ -149,11 +149,9 @@ def form_of(value: Any, parts: list[Any]) -> Any:
         case np.generic():
             return form_of(value.item(), parts)
         case np.ndarray():
-            dtype = WIDER.get(value.dtype.name, value.dtype.name)
-            if dtype not in DTYPES:
-                raise MessageError("bad-dtype", f"dtype {dtype!a:.40} is none of {', '.join(DTYPES)}")
-            parts.append(np.asarray(value, np.dtype(dtype).newbyteorder("<")).tobytes())
-            return f"{dtype}[{','.join(map(str, value.shape))}]"
+            name, dtype = sent_as(value.dtype)
+            parts.append(np.asarray(value, dtype).tobytes())
+            return f"{name}[{','.join(map(str, value.shape))}]"
         # Before the tuple, which it is as well.
         case GraphInstance():
             return {"graph": [form_of(part, parts) for part in value]}
@@ -168,6 +166,15 @@ def form_of(value: Any, parts: list[Any]) -> Any:
         case list() | tuple():
             return [form_of(part, parts) for part in value]
     raise MessageError("bad-tree", f"{type(value).__name__} has no place in a message")
+
+
+@functools.lru_cache(100)
+def sent_as(dtype: Any) -> tuple[str, Any]:
+    """What an array of this dtype travels as; numpy makes its name anew each time."""
+    name = WIDER.get(dtype.name, dtype.name)
+    if name not in DTYPES:
+        raise MessageError("bad-dtype", f"dtype {name!a:.40} is none of {', '.join(DTYPES)}")
+    return name, np.dtype(name).newbyteorder("<")
 
 
 def sized(data: bytes | bytearray) -> bytes:
