@@ -34,9 +34,9 @@ def scene(checks, start):
 def run(scene, capsys, caplog, monkeypatch):
     """The page's script, and such a scene: what the script logs and prints, its error, and the scene."""
 
-    def run(*how, before_close=""):
+    def run(*how, agent="", before_close=""):
         endpoint, names, error = steady_endpoint(), {}, ""
-        text = PARTS["python"].replace('env_name="Runner",', f'env_name="Runner", endpoint="{endpoint}",')
+        text = PARTS["python"].replace('env_name="Runner",', f'env_name="Runner", {agent}endpoint="{endpoint}",')
         text = text.replace("env.close()", f"{before_close}env.close()")
         player = scene(endpoint, *how)
         monkeypatch.setattr(sys, "path", [*sys.path])
@@ -47,9 +47,10 @@ def run(scene, capsys, caplog, monkeypatch):
         except MessageError as refusal:
             error = str(refusal)
         finally:
-            names["env"].close()
+            if "env" in names:
+                names["env"].close()
         said = "".join(f"{line}\n" for line in caplog.messages) + capsys.readouterr().out
-        return said.replace(endpoint, "tcp://127.0.0.1:5561"), error, player
+        return said.replace(endpoint, "tcp://127.0.0.1:5559"), error, player
 
     return run
 
@@ -74,16 +75,19 @@ def test_what_is_wrong_in_a_scene_is_said_once_and_the_rest_plays(run):
     assert player.output.count("gave up: ") == 2
 
 
-def test_python_is_told_why_an_agent_that_it_asks_for_has_given_up(run):
-    said = {
-        "two": "two agents are named 'agent': each needs a name of its own",
-        "mistake": "Speeder.speed, locator \".speed[\": column 8: expected a key, a number, a slice, ... or ']', "
-        "found the end",
-    }
-    for how, why in said.items():
-        _, error, player = run(how)
-        assert error == f"wrong-agent: {why}"
-        assert player.output.count(f"gave up: {why}") == player.output.count("gave up: ") == 1
+def test_a_scene_whose_only_agent_is_wrong_ends_and_says_why(run):
+    """Python hears of it at once, and not only that nobody came."""
+    _, error, player = run("mistake")
+    why = "Speeder.speed, locator \".speed[\": column 8: expected a key, a number, a slice, ... or ']', found the end"
+    assert error == f"gave-up: Runner has no agents: {why}"
+    assert player.output.count(f"gave up: {why}") == 1
+    player.wait_for("^gave up: Runner has no agents: ")
+
+
+def test_several_agents_of_one_name_are_numbered(run):
+    _, error, player = run("two")
+    assert error.startswith("wrong-scene: the scene has 2 agents named agent_0, agent_1: say which with agent_name")
+    assert player.output.count("gave up: ") == 0
 
 
 def test_a_script_can_set_the_step_period(run):
@@ -101,7 +105,7 @@ def test_an_info_that_nobody_hears_is_said_once(run):
 
 def test_an_agent_that_is_disabled_is_not_there(run):
     _, error, _ = run("gone")
-    assert error.endswith("unknown-agent: no agent is named 'agent'; there are: none")
+    assert error == "unknown-agent: agent agent is not in the scene now"
 
 
 def test_a_sensor_of_ones_own_brings_whatever_an_attribute_takes(run):
@@ -116,26 +120,27 @@ def test_a_script_names_the_agents_that_it_makes(run):
 
     Another one goes by the clock, and is told.
     """
-    printed, error, player = run("named", before_close='env.unwrapped.send_info("", "nobody")\n')
-    assert printed == PARTS[""]
-    assert error == "unknown-agent: no agent is named 'nobody'; there are: one, two, clocked, agent"
-    assert player.output.count("gave up: two agents are named 'one': each needs a name of its own") == 1
+    printed, _, player = run("named", agent='agent_name="agent", ')
+    assert printed.startswith(PARTS[""])
+    _, error, _ = run("named")
+    assert error.startswith("wrong-scene: the scene has 5 agents named one_0, one_1, two, clocked, agent: say which ")
+    assert "gave up" not in player.output
     clock = "trouble: Animal.FixedUpdate runs by the clock: what belongs to a step is done in OnTick(double dt)"
     assert player.output.count(clock) == player.output.count("FixedUpdate") == 1
 
 
 def test_agents_without_a_manager_say_so_at_once(scene):
     player = scene(f"tcp://127.0.0.1:{free_port()}", "alone")
-    player.wait_for("^trouble: no GymManager is enabled in this scene: its agents play without Python")
+    player.wait_for("^trouble: no GymManager is enabled in this scene: its agents do nothing")
     player.wait_for("^the sensor's camera draws: False")
     assert player.output.count("GymManager") == 1
 
 
-def test_without_python_agents_play_by_the_clock(scene):
+def test_without_python_agents_are_played_by_hand(scene):
     """Each episode that has ended is followed by another one."""
     player = scene(f"tcp://127.0.0.1:{free_port()}", name="Faller")
     for _ in range(3):
-        player.wait_for("^by hand: agent has ended, return 1.5$")
+        player.wait_for("^by hand: 3 steps, return 1.5$")
 
 
 # Bots that die in their third step, tests/lessons/checks/Scenes.cs: who leaves keeps its reward, its end and its info
@@ -162,7 +167,7 @@ def test_who_dies_keeps_its_last_reward_and_the_next_reset_brings_it_back(scene)
         assert [name for name in BOTS if terminated[name]] == [name for name in died if name != "off"]
         assert [name for name in BOTS if truncated[name]] == ["off"]
         assert [name for name in died if infos[name]["agent"] == ["died"]] == died
-        assert infos["off"]["lost"] == "agent off has left the scene"
+        assert infos["off"]["lost"] == "it has left the scene"
         assert env.agents == ["leader", "stays", "replaced"]
         for _ in range(30):
             env.step(dict.fromkeys(env.agents, 0))
@@ -260,7 +265,7 @@ def test_a_film_goes_on_over_the_scenes(race, first):
 
 def test_a_scene_without_a_manager_is_said_and_lost_at_once(race):
     env, player = race("lost")
-    env.unwrapped.agents.simulators.wait = 1
+    env.unwrapped.remote.simulators.wait = 1
     with pytest.raises(TimeoutError, match="no simulator came"):
         env.reset(seed=1)
     player.wait_for("^trouble: Main has no GymManager with the Env Name Racer: Python has lost it")

@@ -77,6 +77,9 @@ class Connection(OneProcess):
         peer, hello = self.receive()
         if hello is None:
             return False
+        if isinstance(hello, Message) and hello.values.get("code") == "gave-up":
+            # The scene is wrong, and says so before it ends.
+            raise MessageError("gave-up", str(hello.values.get("text", ""))[:200])
         if not isinstance(hello, Message) or hello.kind != "hello":
             # It was given up, and has not noticed.
             self.refuse(peer, MessageError("unknown-peer", "say hello again"))

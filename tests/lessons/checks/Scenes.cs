@@ -42,7 +42,8 @@ namespace NetMQExample.Tests
                     Inspector.Set(manager, "endpoint", endpoint);
                     Inspector.Set(manager, "envName", "Racer");
                     // The second scene has none.
-                    manager[0].enabled = name == "Racer" && (how.FirstOrDefault() != "lost" || made++ == 0);
+                    manager[0].enabled = how.FirstOrDefault() != "lost" || made++ == 0;
+                    if (name == "Faller") Inspector.Set(manager, "byHand", "true");
                     if (how.Length > 0 && how[0].StartsWith("tcp", StringComparison.Ordinal))
                     {
                         var eye = new GameObject("eye").AddComponent<Camera>();
@@ -87,8 +88,11 @@ namespace NetMQExample.Tests
         {
             // Before any other agent.
             if (how == "wrong") Add<Speeder>("wrong locator").Name = "speeder";
-            if (how == "mistake") Add<Speeder>("wrong locator, and the name that Python asks for");
-            var scripts = new MonoBehaviour[] { thing.AddComponent<Runner>(), thing.AddComponent<GymManager>() };
+            var scripts = new MonoBehaviour[]
+            {
+                how == "mistake" ? (MonoBehaviour)thing.AddComponent<Speeder>() : thing.AddComponent<Runner>(),
+                how == "period" ? thing.AddComponent<Metronome>() : thing.AddComponent<GymManager>(),
+            };
             var says = thing.AddComponent<Says>();
             says.hears = how != "mute";
             Inspector.Set(scripts, "endpoint", endpoint);
@@ -104,11 +108,7 @@ namespace NetMQExample.Tests
             if (how == "gone") scripts[0].enabled = false;
             if (how == "wrong") Add<CameraSensor>("eye");
             if (how == "two") Add<Runner>("twin");
-            if (how == "period")
-            {
-                ((Agent)scripts[0]).StepPeriod = 3;
-                Add<Pacer>("pacer").Name = "pacer";
-            }
+            if (how == "period") ((Agent)scripts[0]).StepPeriod = 3;
             if (how == "named")
             {
                 ((Agent)scripts[0]).Name = "one";
@@ -267,16 +267,8 @@ namespace NetMQExample.Tests
         }
     }
 
-    internal sealed class Pacer : Agent
+    internal sealed class Metronome : GymManager
     {
-        public override void OnReset()
-        {
-        }
-
-        public override void OnAction(object action)
-        {
-        }
-
         public override void OnTick(double dt) => Debug.Log("tick");
     }
 

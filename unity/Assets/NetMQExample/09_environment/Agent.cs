@@ -175,9 +175,13 @@ namespace NetMQExample
         // Of no use to Python: what is wrong with it was said.
         internal bool GaveUp { get; private set; }
 
+        // Of the one that gave up last; for Python, if there is nobody else.
+        internal static string Mistake { get; private set; } = "none is in the scene";
+
         internal void GiveUp(string why)
         {
             GaveUp = true;
+            Mistake = why;
             Debug.LogError($"gave up: {why}");
             enabled = false;
         }

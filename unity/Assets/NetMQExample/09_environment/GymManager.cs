@@ -94,6 +94,7 @@ namespace NetMQExample
                 Warn = Debug.LogWarning,
                 Exists = agent => !(agent is Agent one) || one != null,
                 Refuse = (agent, why) => (agent as Agent)?.GiveUp(why),
+                WhyNobody = () => Agent.Mistake,
             };
             foreach (var one in atMost) Simulator.AtMost[one.name] = one.count;
             Hear();

@@ -79,6 +79,9 @@ namespace NetMQExample
         /// <summary>Called with each agent for which there is no place, and why.</summary>
         public Action<IAgent, string> Refuse { get; set; } = (agent, why) => { };
 
+        /// <summary>Why there are no agents.</summary>
+        internal Func<string> WhyNobody { get; set; } = () => "give it some";
+
         /// <summary>Called with a line that a person should read.</summary>
         public Action<string> Warn { get; set; } = line => { };
 
@@ -123,7 +126,7 @@ namespace NetMQExample
         public override Message Describe()
         {
             roster.Name();
-            if (roster.Rows.Count == 0) throw new MessageException("no-agent", $"{Name} has no agents");
+            if (roster.Rows.Count == 0) throw new MessageException("no-agent", $"{Name} has no agents: {WhyNobody()}");
             real.Switch(false);
             framed = false;
             infos.Clear();
