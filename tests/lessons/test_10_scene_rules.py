@@ -18,10 +18,12 @@ from netmq_example.messages import Message  # noqa: E402
 from netmq_example.scene import Agent, Obs, Scene, SceneSimulator  # noqa: E402
 from netmq_example.wire import trees  # noqa: E402
 from netmq_example.wire.records import (  # noqa: E402
+    ABSENT,
     ANSWERS,
     ASKS,
     FORM,
     LAST,
+    NEW,
     RESET,
     SEEN,
     SIZES,
@@ -182,6 +184,33 @@ REFUSED = [
 def test_agents_that_cannot_be_in_one_scene_are_named(make, said):
     with pytest.raises((ValueError, TypeError), match=said):
         make()
+
+
+def test_who_comes_back_has_its_row_and_its_name_and_a_stranger_has_none():
+    cods: Any = fish("cod", "cod")
+    scene = Scene("Sea", cods)
+    one, other = cods
+    asks = Asks(SceneSimulator(scene))
+    asks.all(RESET)
+    # Removed by the one before it, before its own turn.
+    other.calls, one.on_action = [], lambda action: scene.remove(other)
+    assert asks.all(STEP).sections[0].marks == bytes([SEEN, ABSENT]) and other.calls == []
+    del one.on_action
+    other.name = "eel"
+    scene.add(other)
+    answer = asks.all(STEP)
+    assert (answer.sections[0].marks, other.name) == (bytes([SEEN, SEEN | NEW]), "cod_1")
+    for stranger, said in (
+        (Fish("eel"), "no-space: nobody has a row for 'eel': at the hello there were cod"),
+        (Fish("cod"), "no-space: there are 2 agents of cod already, and no more may come: at_most={'cod': 3}"),
+        (Fish("cod_1"), "two-agents: 2 agents are named 'cod_1': each needs a name of its own"),
+        (Wide("cod"), "two-kinds: 'cod' and 'cod_0' have one name, cod, and not the same observation"),
+        (one, "two-agents: cod_0 is in the scene twice"),
+    ):
+        scene.agents.append(stranger)
+        assert asks.all(STEP).startswith(said)
+        scene.agents.pop()
+    assert asks.all(STEP).sections[0].marks == bytes([SEEN, SEEN])
 
 
 # What an agent says
