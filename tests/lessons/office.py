@@ -57,7 +57,10 @@ class Clerk(Agent):
                     self.send_info({"number": number, "text": LONGEST})
             case ["write", letter]:
                 self.letters.append(letter)
-            case ["leave"]:
+            case ["leave", *letter]:
+                # Who leaves with a letter has ended.
+                self.letters += letter
+                self.terminated |= bool(letter)
                 self.office.remove(self)
                 self.office.away.append(self)
             case ["hire", name]:

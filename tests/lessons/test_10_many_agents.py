@@ -319,6 +319,18 @@ def test_agents_come_leave_and_come_back(at_work, capfd):
         assert "there are 3 agents of the name 'ann' already: raise At Most" in capfd.readouterr().out
 
 
+@pytest.mark.parametrize("mode", MODES)
+def test_who_leaves_in_the_step_of_its_end_is_seen_in_it(mode, at_work):
+    envs = at_work(UnityVectorEnv, "ann ann", num_envs=2, autoreset_mode=mode)
+    envs.reset(seed=1)
+    seen, _, terminated, truncated, infos = envs.step(("", "leave bye"))
+    last = infos["final_obs"][1]["letters"] if mode == "SameStep" else seen["letters"][1]
+    assert (last, terminated.tolist(), truncated.any()) == (("bye",), [False, True], False)
+    if mode != "Disabled":
+        # It has no episode that could end once more.
+        assert not envs.step(("", ""))[2].any()
+
+
 def test_in_a_vector_who_is_away_has_no_rewards_and_no_ends(at_work):
     envs = at_work(UnityVectorEnv, "ann ann", num_envs=2)
     envs.reset(seed=1)

@@ -111,6 +111,11 @@ namespace NetMQExample.Tests
                 case "shout": Shout(); break;
                 case "write": letters.Add(words[1]); break;
                 case "leave":
+                    if (words.Length > 1)
+                    {
+                        letters.Add(words[1]);
+                        Terminate();
+                    }
                     office.Clerks.Remove(this);
                     office.Away.Push(this);
                     break;
