@@ -6,7 +6,7 @@
 //     {
 //         private double place, speed;
 //
-//         public override GymSpace Observation { get; } = GymSpace.Box(new double[] { -12, -9 }, new double[] { 12, 9 });
+//         public override GymSpace Observation { get; } = GymSpace.Box(-12, 12, 2);
 //         public override GymSpace Action { get; } = GymSpace.Discrete(3);
 //
 //         public override void OnReset() => (place, speed) = (Rng.Next() - 0.5, 0);

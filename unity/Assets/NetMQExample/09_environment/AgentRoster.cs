@@ -67,9 +67,10 @@ namespace NetMQExample
             var all = Everyone();
             var twice = all.GroupBy(agent => agent).FirstOrDefault(group => group.Count() > 1)?.Key;
             if (twice != null)
-                throw new MessageException("two-agents", $"agent '{twice.AgentState.Given}' is twice in the scene: "
-                    + "each agent is an object of its own");
-            foreach (var group in all.GroupBy(agent => Split(agent.AgentState.Given).Name)) Add(group.Key, group.ToList());
+                throw new MessageException("two-agents",
+                    $"{twice.AgentState.Given} is in the scene twice: each row is an agent of its own");
+            foreach (var group in all.GroupBy(agent => Split(agent.AgentState.Given).Name))
+                Add(group.Key, group.ToList());
             Look(false);
             foreach (var row in Rows) row.Born = false;
         }
@@ -246,8 +247,8 @@ namespace NetMQExample
                         .Where(rows.ContainsKey).Select(name => rows[name]))
                 {
                     if (!row.Kind.Located)
-                        throw new MessageException("wrong-locator", $"{source.Name}: its locator {source.Locator} writes "
-                            + $"into agent '{row.Name}', whose Observation is in C#");
+                        throw new MessageException("wrong-locator", $"{source.Name} goes into what {row.Name} sees, "
+                            + "whose own Observe says that: leave out the one or the other");
                     seen[row].Add(source);
                 }
             foreach (var row in Rows) row.Seen.Set(row.Name, seen[row]);

@@ -176,8 +176,8 @@ namespace NetMQExample
                 : !Same(agent.Observation, Observation) ? "observation"
                 : !Same(agent.Action, Action) ? "action" : null;
             if (what != null)
-                throw new MessageException("two-kinds", $"'{agent.AgentState.Name}' and '{Rows[0].Name}' have one name, "
-                    + $"{Name}, and not the same {what}: give them two names");
+                throw new MessageException("two-kinds", $"'{agent.AgentState.Name}' and '{Rows[0].Name}' have one "
+                    + $"name, {Name}, and not the same {what}: give them two names");
         }
 
         public object Describe(int atMost) => new Dictionary<string, object>
@@ -200,8 +200,8 @@ namespace NetMQExample
             && MessageTree.Write(one.Description).AsSpan().SequenceEqual(MessageTree.Write(other.Description));
     }
 
-    /// <summary>The sources of one agent, in the order of their locators: the whole of a thing before its parts, and the
-    /// same on every side. Its form changes seldom.</summary>
+    // The sources of one agent, in the order of their locators: the whole of a thing before its parts, and the same on
+    // every side. Its form changes seldom.
     internal sealed class SeenSources
     {
         private Source[] sources = new Source[0];

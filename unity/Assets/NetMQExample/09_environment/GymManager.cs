@@ -2,8 +2,8 @@
 //
 // Use: start python/09_environment/server.py, open this lesson's scene, press Play. For your own scene: add this
 // component to any GameObject, and agents (Agent.cs) and sensors wherever they belong.
-// Nothing moves while Python thinks: for each step OnTick is called, and physics is simulated for as long. A script moves
-// its FixedUpdate to OnTick. What belongs to no agent has its place here: derive from it.
+// Nothing moves while Python thinks: for each step OnTick is called, and physics is simulated for as long. A script
+// moves its FixedUpdate to OnTick. What belongs to no agent has its place here: derive from it.
 // A scene may be loaded anew, also by an agent's OnReset: the new scene's GymManager goes on with the connection.
 using System;
 using System.Collections.Generic;

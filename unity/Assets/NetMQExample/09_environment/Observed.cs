@@ -168,7 +168,8 @@ namespace NetMQExample
                 if (attributes.Length > 1) throw Wrong("has two attributes: one is enough");
                 if (one.property != null && (!one.property.CanRead || one.property.GetIndexParameters().Length > 0))
                     throw Wrong("cannot be read: give it a get");
-                if (one.field?.IsStatic ?? one.property.GetMethod.IsStatic) throw Wrong("is static: it belongs to no agent");
+                if (one.field?.IsStatic ?? one.property.GetMethod.IsStatic)
+                    throw Wrong("is static: it belongs to no agent");
                 // A member stands for the one that it overrides, or hides at the same place.
                 found.RemoveAll(other => other.Name == one.Name && other.Locator == one.Locator);
                 found.Add(one);

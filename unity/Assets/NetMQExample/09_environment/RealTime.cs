@@ -1,8 +1,8 @@
 // Lesson 09, real time: the world goes on while Python thinks, for whoever asks for it. In Python: scene/real_time.py.
 //
-// Each exchange first makes up for the ticks that the clock has seen since the last one, with the actions from then; the
-// tick that is due now has the new ones. Each tick is a step, and rewards are summed. It is Python that keeps the pace: it
-// sends no more than one step for each tick.
+// Each exchange first makes up for the ticks that the clock has seen since the last one, with the actions from then;
+// the tick that is due now has the new ones. Each tick is a step, and rewards are summed. It is Python that keeps the
+// pace: it sends no more than one step for each tick.
 using System;
 using System.Diagnostics;
 

@@ -100,7 +100,8 @@ namespace NetMQExample
 
         /// <summary>Whether a frame is one, and no message of lesson 05. One of an older kit is one as well, which Read
         /// refuses.</summary>
-        public static bool Is(ReadOnlySpan<byte> frame) => frame.Length > 0 && (ByteOf(frame) == 3 || ByteOf(frame) == 1);
+        public static bool Is(ReadOnlySpan<byte> frame) =>
+            frame.Length > 0 && (ByteOf(frame) == 3 || ByteOf(frame) == 1);
 
         /// <summary>Takes what stands in a frame, which must not change meanwhile.</summary>
         /// <exception cref="MessageException">It is no request.</exception>

@@ -1,9 +1,8 @@
 // Lesson 09, the simulator of agents: answers for all of them in one message, and each request once.
 //
-// Its resets and steps are records (Records.cs), with a row for each agent of a kind. An agent whose Observation is in
-// C# writes its numbers into the answer itself; of the others locators are sent, each with a value. The message info has
-// [name or "", info], and render brings the pictures of all that draw, or the world's own.
-// The Python side is netmq_example/envs.
+// Its resets and steps are records (Records.cs), with a row for each agent of a kind. One whose Observation is in C#
+// writes its numbers into the answer itself; of the others locators are sent, each with a value. The message info has
+// [name or "", info], and render brings the pictures of all agents, or the world's own. In Python: scene/simulator.py.
 using System;
 using System.Collections.Generic;
 using System.Diagnostics;
@@ -410,8 +409,9 @@ namespace NetMQExample
             var late = roster.Rows.Find(row => row.Steps && row.State?.Late != null);
             if (late == null) return;
             framed = true;
-            Warn($"trouble: agent '{late.Name}' called {late.State.Late} between two steps, such as in its Update: from "
-                + "now on each step waits for a frame; in OnAction or OnTick it belongs to its step, at full speed");
+            Warn($"trouble: agent '{late.Name}' called {late.State.Late} between two steps, such as in its Update: "
+                + "from now on each step waits for a frame; in OnAction or OnTick it belongs to its step, at full "
+                + "speed");
         }
 
         private Message Render(long id)

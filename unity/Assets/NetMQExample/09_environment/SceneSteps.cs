@@ -131,7 +131,8 @@ namespace NetMQExample
 
         /// <summary>Options as one agent gets them.</summary>
         /// <exception cref="MessageException">The state in which an episode begins is none.</exception>
-        public static IReadOnlyDictionary<string, object> Copy(ReadOnlyMemory<byte> options, int size, out double[] state)
+        public static IReadOnlyDictionary<string, object> Copy(
+            ReadOnlyMemory<byte> options, int size, out double[] state)
         {
             state = NoState;
             if (options.Length == 0) return None;

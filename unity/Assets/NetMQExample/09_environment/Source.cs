@@ -32,8 +32,7 @@ namespace NetMQExample
         /// <summary>Its value now.</summary>
         public Func<object> Read { get; }
 
-        /// <summary>Its value now, as it stands in a message: it takes the form of the value before, and returns that of
-        /// this one.</summary>
+        // Writes its value as it stands in a message: takes the form of the value before, and returns that of this one.
         internal Func<FrameBuffer, string, string> Write { get; set; }
 
         /// <summary>Whether its value goes into the observation of this agent, perhaps among others.</summary>

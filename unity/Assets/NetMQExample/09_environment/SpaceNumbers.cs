@@ -121,8 +121,12 @@ namespace NetMQExample
             number >= least && number <= most && number == Math.Floor(number)
                 ? (long)number : throw Another(form, number);
 
-        private static MessageException Another(Form form, double number) => new MessageException("not-in-space",
-            FormattableString.Invariant($"{number} would become another number as {form.ToString().ToLowerInvariant()}"));
+        private static MessageException Another(Form form, double number)
+        {
+            var dtype = form.ToString().ToLowerInvariant();
+            return new MessageException("not-in-space",
+                FormattableString.Invariant($"{number} would become another number as {dtype}"));
+        }
 
         public int ItemSize => itemSize;
 
