@@ -29,7 +29,7 @@ with importing("gymnasium and ray; pip install gymnasium ray", stopped="stopped"
     import gymnasium
     import ray
 
-    import netmq_example.envs.gym_env  # noqa: F401, it is the class of WORLD.
+    import netmq_example.envs  # noqa: F401, WORLD is of it.
     from netmq_example.worlds.cross_entropy import STEPS, Episode, play, train
 
 LESSONS = Path(__file__).resolve().parents[1]

@@ -17,13 +17,13 @@ from tests.programs import ROOT, Mark, finds_processes, python_runs
 
 pytest.importorskip("ray", reason="needs Ray: pip install ray")
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
-np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: kit.py run 9 installs it")
 
 RAY = ROOT / "python" / "17_many_machines" / "ray_train.py"
 CLIENT = ROOT / "python" / "09_environment" / "client.py"
+from netmq_example.scene.agent import begin  # noqa: E402
 from netmq_example.wire.split_mix import draws  # noqa: E402
 from netmq_example.worlds import cross_entropy  # noqa: E402
-from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
+from netmq_example.worlds.cart_pole import DT, CartPole  # noqa: E402
 
 pytestmark = [pytest.mark.xdist_group("ray"), pytest.mark.skipif(os.name == "nt", reason="Ray is in beta on Windows")]
 
@@ -32,19 +32,18 @@ class Direct(gymnasium.Env):  # type: ignore[name-defined]
     """The simulation in this very process."""
 
     def __init__(self):
-        self.world = CartPole()
-
-    def seen(self):
-        return np.array(self.world.observe(), np.float32)
+        self.pole = CartPole()
 
     def reset(self, *, seed=None, options=None):
-        self.world.reset(draws(seed), {}, [])
-        return self.seen(), {}
+        begin(self.pole, draws(seed), {}, [])
+        self.pole.on_reset()
+        return self.pole.observe(), {}
 
     def step(self, action):
-        self.world.apply(action)
-        said = self.world.reward_and_end()
-        return self.seen(), said["reward"], said["terminated"], said["truncated"], {}
+        self.pole.on_action(action)
+        self.pole.on_tick(DT)
+        self.pole.on_stepped()
+        return self.pole.observe(), 1.0, self.pole.terminated, False, {}
 
 
 def numbers(lines):
@@ -109,8 +108,8 @@ import runpy, sys, time
 client = sys.argv.pop(1)
 sys.path.append(client.rpartition("09_environment")[0])
 from netmq_example.worlds.cart_pole import CartPole
-step = CartPole.apply
-CartPole.apply = lambda world, action: (time.sleep(0.02), step(world, action))[1]
+step = CartPole.on_action
+CartPole.on_action = lambda pole, action: (time.sleep(0.02), step(pole, action))[1]
 runpy.run_path(client, run_name="__main__")
 """
 

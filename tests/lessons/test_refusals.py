@@ -199,12 +199,12 @@ def lesson_17(context, folder):
     from netmq_example.fleet.hub import Hub
     from netmq_example.fleet.simulator import FleetSimulator
     from netmq_example.fleet.trainer import FleetSocket
-    from netmq_example.scene.simulator import Simulator
+    from netmq_example.scene import Scene, SceneSimulator
     from netmq_example.worlds.cart_pole import CartPole
 
     with context.socket(zmq.ROUTER) as socket:
         yield Hub, "socket report build late timeout idle", socket
-        yield FleetSimulator, "simulator build", Simulator(CartPole())
+        yield FleetSimulator, "simulator build", SceneSimulator(Scene("CartPole", [CartPole()]))
         yield FleetSocket, "endpoint name areas prepare", WHERE, "CartPole", 1
 
 
