@@ -93,10 +93,12 @@ class UnityVecEnv(VecEnv):  # type: ignore[misc, unused-ignore]
         self.reset_infos = list(self.reset_infos)
         for agent in agents:
             one = said[agent]
-            final = self.envs.final_infos[agent] if self.exact else {**one, **one.pop("final_info", {})}
+            final = self.envs.final_infos[agent] if self.exact else one.pop("final_info", {})
             self.reset_infos[agent] = one
             # The time was up, and not the world at its end: PPO then adds what it expects from the last observation.
             said[agent] = {
+                # A wrapper, such as RecordEpisodeStatistics, has added its own.
+                **({} if self.exact else one),
                 **final,
                 "terminal_observation": self.plain.look(infos["final_obs"][agent]),
                 "TimeLimit.truncated": bool(by_time[agent]),
@@ -171,10 +173,12 @@ def made(name: str, num_envs: int, words: dict[str, Any]) -> Any:
 
 
 def said_of(infos: dict[str, Any], agent: int) -> dict[str, Any]:
-    """The info of one agent in a vector's infos, where _name beside each name says who has one."""
+    """The info of one agent in a vector's infos, where _name beside a name says who has one."""
     said = {}
     for name, values in infos.items():
-        if name != "final_obs" and f"_{name}" in infos and infos[f"_{name}"][agent]:
+        mask = infos.get(f"_{name}")
+        is_mask = name[:1] == "_" and name[1:] in infos
+        if name != "final_obs" and not is_mask and (mask is None or mask[agent]):
             said[name] = said_of(values, agent) if isinstance(values, dict) else values[agent]
     return said
 

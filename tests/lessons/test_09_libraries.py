@@ -29,6 +29,7 @@ from gymnasium import spaces  # noqa: E402
 from gymnasium.utils.env_checker import check_env, data_equivalence  # noqa: E402
 from gymnasium.vector import SyncVectorEnv, VectorEnv  # noqa: E402
 from gymnasium.vector.utils import batch_space, iterate  # noqa: E402
+from gymnasium.wrappers.vector import RecordEpisodeStatistics  # noqa: E402
 from pettingzoo import AECEnv, ParallelEnv  # noqa: E402
 from pettingzoo.test import api_test, parallel_api_test  # noqa: E402
 from pettingzoo.utils import parallel_to_aec  # noqa: E402
@@ -517,7 +518,10 @@ def test_a_vecenv_is_the_vector_environment(sb3, inside, make):
     words = {"max_episode_steps": 12, "autoreset_mode": "SameStep"}
     vector, wrapped = (make(gymnasium.make_vec, ID, 4, socket=inside(simulated(count=4)).socket, **words) for _ in "ab")
     words = {"max_episode_steps": 12, "socket": inside(simulated(count=4)).socket}
-    both = [make(sb3.UnityVecEnv, f"netmq_example.envs:{ID}", 4, **words), make(sb3.UnityVecEnv, AsItIs(wrapped))]
+    both = [
+        make(sb3.UnityVecEnv, f"netmq_example.envs:{ID}", 4, **words),
+        make(sb3.UnityVecEnv, RecordEpisodeStatistics(wrapped)),
+    ]
     first = vector.reset(seed=[7, 8, 9, 10])[0]
     for areas in both:
         areas.seed(7)
@@ -533,15 +537,13 @@ def test_a_vecenv_is_the_vector_environment(sb3, inside, make):
             assert np.array_equal(rewards, gains) and rewards.dtype == np.float32
             for area in range(4):
                 assert ("terminal_observation" in said[area]) == over[area]
+                # What one of Gymnasium's wrappers says.
+                assert ("episode" in said[area]) == (over[area] and areas is not both[0])
                 if over[area]:
                     assert np.array_equal(said[area]["terminal_observation"], infos["final_obs"][area])
                     assert said[area]["TimeLimit.truncated"] == truncated[area] != terminated[area]
                     ends.add(said[area]["TimeLimit.truncated"])
     assert ends == {True, False}
-
-
-class AsItIs(gymnasium.vector.VectorWrapper):  # type: ignore[name-defined]
-    """One of Gymnasium's wrappers."""
 
 
 class Teller(Picky):
