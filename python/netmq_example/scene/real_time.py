@@ -1,4 +1,4 @@
-"""Real time: a scene goes on while Python thinks, for whoever asks for it. In C# it is RealTime.cs.
+"""Real time: a scene goes on while Python thinks, for whoever asks for it. In C# it is RealTimeClock.cs.
 
 Each exchange first makes up for the ticks that the clock has seen since the last one, with the actions from then; the
 tick that is due now has the new ones. Each tick is a step, rewards are summed, and who ends has no more ticks until the

@@ -135,8 +135,10 @@ namespace NetMQExample
             {
                 while ((request = Receive(idle, stop))?.Kind != "close")
                 {
-                    var most = request != null || count == 0 ? int.MaxValue : step.Has(Order.Reset) ? count : count + 1;
-                    if (simulator.Episodes >= most) return;
+                    var resets = request == null && step.Has(Order.Reset);
+                    if (count > 0 && resets && simulator.Episodes >= count) return;
+                    // Who ends begins anew in the same exchange: there is one more when nobody asks for it.
+                    if (count > 0 && request == null && step.Autoreset && simulator.Episodes > count) return;
                     do perform(answer);
                     while (simulator.Waiting);
                     if (simulator.Reply != null) Send(simulator.Reply, Try, stop);

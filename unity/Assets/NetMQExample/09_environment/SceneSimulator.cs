@@ -20,7 +20,7 @@ namespace NetMQExample
         private readonly double dt;
         private readonly AgentRoster roster;
         private readonly SceneSteps steps;
-        private readonly RealTime real = new RealTime();
+        private readonly RealTimeClock real = new RealTimeClock();
         private readonly InfoList infos = new InfoList();
         private readonly SeenRows seen = new SeenRows();
         private readonly Stopwatch since = new Stopwatch();

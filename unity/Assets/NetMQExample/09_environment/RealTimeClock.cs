@@ -9,7 +9,7 @@ using System.Diagnostics;
 namespace NetMQExample
 {
     /// <summary>Says how much time is to be made up for.</summary>
-    internal sealed class RealTime
+    internal sealed class RealTimeClock
     {
         // Seconds. After a longer sleep of the computer it makes up for no more than this.
         private const double MostSeconds = 10;
