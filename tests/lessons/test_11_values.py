@@ -20,15 +20,17 @@ np = pytest.importorskip("numpy", reason="lesson 11 needs numpy: kit.py run 11 i
 pytest.importorskip("pettingzoo", reason="lesson 11 needs pettingzoo: kit.py run 10 installs it")
 from gymnasium import spaces  # noqa: E402
 
-from netmq_example.envs import UnityAECEnv, UnityGymEnv, UnityParallelEnv, unity_env  # noqa: E402
+from netmq_example.envs import UnityAECEnv, UnityGymEnv, UnityParallelEnv, UnityVectorEnv  # noqa: E402
 from netmq_example.envs import merge as fit  # noqa: E402
+from netmq_example.envs.actions import Actions  # noqa: E402
+from netmq_example.envs.kinds import Kind  # noqa: E402
 from netmq_example.envs.plan import Sight  # noqa: E402
 from netmq_example.locator import parse  # noqa: E402
-from netmq_example.messages import Message, MessageError  # noqa: E402
-from netmq_example.scene.answers import hello_of  # noqa: E402
-from netmq_example.scene.scene import Agent, Obs, SceneSimulator  # noqa: E402
+from netmq_example.messages import MessageError  # noqa: E402
+from netmq_example.scene import Agent, Obs, Scene, SceneSimulator  # noqa: E402
 from netmq_example.wire import records, trees  # noqa: E402
-from netmq_example.wire.records import Record  # noqa: E402
+from netmq_example.wire.records import FORM, SIZES, TERMINATED, Record, Section  # noqa: E402
+from netmq_example.worlds.coin_car import CoinCar  # noqa: E402
 
 KEY = "11_observations"
 ONE = spaces.Box(-9, 9, (2,), np.float32)
@@ -43,37 +45,38 @@ class Car(Agent):
     x: Annotated[Any, Obs()] = None
 
     def on_info(self, info):
-        self.infos.append(info)
+        self.send_info(info)
 
 
 @pytest.fixture
 def world(inside, make):
     """Makes an environment whose simulator is in this process; `change` alters what it answers."""
 
-    def made(space=ONE, simulator=None, change=lambda said: said, kind=UnityGymEnv, **spaces_of):
-        simulator = simulator or SceneSimulator("Cars", 0.1, [Car()])
+    def made(space=ONE, scene=None, change=lambda said: said, kind=UnityGymEnv, **words):
+        simulator = SceneSimulator(scene or seeing(None))
 
         def answer(request):
             return [change(records.read_frames(records.ANSWERS, simulator.answer(request))).frames()]
 
         declared = {"observation_space": spaces.Dict(x=space), "action_space": spaces.Discrete(2)}
-        words = {**declared, **spaces_of} if kind is UnityGymEnv else spaces_of
-        return make(kind, "Cars", socket=inside(simulator, answer).socket, **words)
+        socket = inside(simulator, answer).socket
+        return make(kind, env_name="Cars", socket=socket, **({} if "observation_spaces" in words else declared) | words)
 
     return made
 
 
-def seeing(value):
-    """An agent that sees it."""
-    car = Car()
-    car.x = value
-    return SceneSimulator("Cars", 0.1, [car])
+def seeing(*values, kind=Car):
+    """A scene of agents each of which sees its value."""
+    cars = [kind() for _ in values]
+    for car, value in zip(cars, values, strict=True):
+        car.x = value
+    return Scene("Cars", cars, 0.1)
 
 
 # From a simulator
 
 
-PLACE = "'agent'@['x'] = $"
+PLACE = "@['x'] = $"
 X, TWO = f'["{PLACE}",%s]', '"float32[2]"'
 
 
@@ -93,19 +96,26 @@ def tree(form, numbers=b""):
         (tree(f"[{X % TWO}]", bytes(9)), "bad-observation: more follows what was seen"),
         (tree(f"[{X % TWO},{X % TWO}]", bytes(17)), "bad-observation: more follows what was seen"),
         (tree("[[\"'agent'@['x'\",\"null\"]]"), "bad-observation: .* column 13"),
-        (tree('[[".x","null"]]'), "bad-observation: .*names no agent"),
     ],
 )
 def test_what_is_no_locator_with_a_value_is_named(odd, said, world):
-    def change(answer):
-        answer.rows = [odd]
+    """Also where the form stands there once for all rows."""
+
+    def whole(answer):
+        answer.sections[0].columns, answer.sections[0].values = 0, odd
         return answer
 
-    with pytest.raises(MessageError, match=f"^{said}") as refusal:
-        world(change=change).reset(seed=1)
-    assert "\n" not in str(refusal.value)
+    def parted(answer):
+        answer.sections[0].form, answer.sections[0].values = trees.parted(odd)
+        return answer
+
+    for change in (whole, parted) if "early" not in said else (whole,):
+        with pytest.raises(MessageError, match=f"^{said}") as refusal:
+            world(change=change).reset(seed=1)
+        assert "\n" not in str(refusal.value)
 
 
+CARS = Kind(0, "agent", ("agent",), 0, 1, None, None, True)
 GRAPH = spaces.Graph(spaces.Box(-9, 9, (1,), np.float32), spaces.Box(-9, 9, (1,), np.float32))
 NODES, EDGES = np.zeros((2, 1), np.float32), np.zeros((1, 1), np.float32)
 
@@ -146,23 +156,24 @@ def test_the_server_names_what_is_wrong_and_goes_on(serve):
     server, endpoint = serve(KEY)
     nothing = trees.write_pairs([])
 
-    def answer(row, info=b"", over=0):
-        return lambda id: Record(records.ANSWERS, id, records.rewards([0.0]), [over], [row], [info])
+    def answer(row, ends=0, **infos):
+        section = Section(0, records.rewards([0.0]), bytes([records.SEEN | ends]), values=row)
+        return records.with_infos(section, dict(enumerate(map(trees.write, infos.values()))))
 
     for said, line in (
         ([answer(tree("[[1,1]]"))], "^trouble: .*bad-tree: "),
-        ([answer(nothing, trees.write(5))], "^trouble: .*bad-info: "),
-        ([answer(nothing), answer(nothing, over=records.TERMINATED)], "^episode 1: 1 steps, return 0.00: $"),
+        ([answer(nothing, info=5)], "^trouble: .*bad-info: "),
+        ([answer(nothing), answer(nothing, TERMINATED)], "^episode 1: 1 steps, return 0.00: $"),
     ):
         with zmq.Context() as context, context.socket(zmq.DEALER) as socket:
             socket.linger, before = 0, len(server.lines)
             socket.connect(endpoint)
-            socket.send_multipart(hello_of("Coins", 0.1, {}).frames())
+            socket.send_multipart(SceneSimulator(Scene("Coins", [CoinCar()])).hello().frames())
             for each in [None, *said]:
                 assert socket.poll(1000 * LIMIT), server.output
                 request = records.read_frames(records.ASKS, socket.recv_multipart())
                 if each:
-                    socket.send_multipart(each(request.id).frames())
+                    socket.send_multipart(Record(records.ANSWERS, request.id, [each]).frames())
             server.wait_for(line, start=before)
         server.wait_for("^waiting for a simulator", start=before)
     assert "Traceback" not in server.output
@@ -178,49 +189,16 @@ class Own(spaces.Space):
 @pytest.mark.parametrize(
     ("wrong", "where"),
     [
-        ({"observation_space": spaces.Dict(a=spaces.Tuple([ONE, Own()]))}, "'agent'@['a'][1]: "),
-        ({"observation_space": spaces.OneOf([Own()])}, "'agent'@"),
-        ({"observation_space": spaces.Sequence(Own())}, "'agent'@[]: "),
-        ({"action_space": spaces.Dict(go=Own())}, "action of agent['go']: "),
+        ({"observation_space": spaces.Dict(a=spaces.Tuple([ONE, Own()]))}, "observation['a'][1]: "),
+        ({"observation_space": spaces.OneOf([Own()])}, "observation: "),
+        ({"observation_space": spaces.Sequence(Own())}, "observation[]: "),
+        ({"action_space": spaces.Dict(go=Own())}, "action['go']: "),
     ],
 )
 def test_a_space_that_no_message_has_is_named_before_anybody_is_waited_for(wrong, where):
     declared = {"observation_space": ONE, "action_space": ONE}
     with pytest.raises(ValueError, match=f"^{re.escape(where)}.* has no place in a message"):
         UnityGymEnv("Cars", wait=0.1, endpoint="tcp://127.0.0.1:*", **{**declared, **wrong})
-
-
-def test_what_cannot_be_sent_is_named_before_it_is(world):
-    env = world(simulator=seeing(np.zeros(2)))
-    env.reset(seed=1)
-    with pytest.raises(ValueError, match=r"^the info cannot be sent: .*object has no place in a message$"):
-        env.send_info(object())
-    with pytest.raises(ValueError, match=r"^option 'a' cannot be sent: object has no place in a message$"):
-        env.reset(options={"a": object()})
-    assert env.step(1)[2:4] == (False, False), "it goes on"
-
-
-def test_a_wrong_seed_wrong_options_and_a_step_too_early_are_named(world):
-    env = world(simulator=seeing(np.zeros(2)))
-    with pytest.raises(gymnasium.error.ResetNeeded):
-        env.step(1)
-    for seed in (2**63, 2**70):
-        with pytest.raises(ValueError, match=rf"^seed {seed} cannot be sent: it is a whole number below"):
-            env.reset(seed=seed)
-    for options in ([1], {"seed": 1}):
-        with pytest.raises(ValueError, match=r"^options must be a dict, without seed.*: [\[{]"):
-            env.reset(seed=1, options=options)
-    env.reset(seed=2**63 - 1)
-
-
-@pytest.mark.parametrize("actions", [None, {}, {"b": 1}, [1], {"agent": 1, "b": 1}])
-def test_actions_of_others_than_those_that_live_are_named(actions, world):
-    declared = {"observation_spaces": {"agent": spaces.Dict(x=ONE)}, "action_spaces": {"agent": spaces.Discrete(2)}}
-    env = world(simulator=seeing(np.zeros(2)), kind=UnityParallelEnv, **declared)
-    env.reset(seed=1)
-    text = f"actions {actions}, but those that live are ['agent']"
-    with pytest.raises(ValueError, match=f"^{re.escape(text)}"):
-        env.step(actions)
 
 
 def test_a_key_that_nothing_writes_is_named_at_reset_also_in_a_dict(world):
@@ -231,7 +209,7 @@ def test_a_key_that_nothing_writes_is_named_at_reset_also_in_a_dict(world):
 
     car = Deep()
     car.x = np.zeros(2)
-    env = world(simulator=SceneSimulator("Cars", 0.1, [car]), observation_space=deep)
+    env = world(scene=Scene("Cars", [car]), observation_space=deep)
     with pytest.warns(UserWarning) as told:
         seen, _ = env.reset(seed=1)
     places = "nothing writes 'agent'@['extra']: ", "nothing writes 'agent'@['deep']['b']: "
@@ -239,7 +217,7 @@ def test_a_key_that_nothing_writes_is_named_at_reset_also_in_a_dict(world):
     assert seen["deep"]["a"].tolist() == [1, 0]
     with warnings.catch_warnings(action="error"):
         env.step(1)
-        world(simulator=seeing(np.zeros(2))).reset(seed=1)
+        world(scene=seeing(np.zeros(2))).reset(seed=1)
 
 
 WHERE = {"endpoint": "tcp://127.0.0.1:*", "wait": 0.1}
@@ -259,8 +237,12 @@ def aec_env(**words):
     return UnityAECEnv(**{"env_name": "Cars", **TWO_AGENTS, **WHERE, **words})
 
 
-def scene(name="Cars", dt=0.1, agents=()):
-    return SceneSimulator(name, dt, agents)
+def vector_env(**words):
+    return UnityVectorEnv(**{"env_name": "Cars", **ONE_AGENT, **WHERE, **words})
+
+
+def scene(name="Cars", agents=(), dt=0.1):
+    return Scene(name, agents, dt)
 
 
 @pytest.mark.parametrize(
@@ -268,21 +250,20 @@ def scene(name="Cars", dt=0.1, agents=()):
     [
         *(
             (kind, {"env_name": name}, "env_name")
-            for kind in (gym_env, parallel_env, aec_env)
+            for kind in (gym_env, vector_env, parallel_env, aec_env)
             for name in ("", None, 5)
         ),
         *(
             (kind, {"file_name": name}, "file_name")
-            for kind in (gym_env, parallel_env)
+            for kind in (gym_env, vector_env, parallel_env)
             for name in ("", 0, -1, float("nan"))
         ),
-        *((gym_env, {"agent_name": name}, "agent_name") for name in ("", None, -1)),
-        *((gym_env, {name: 5}, "has no place in a message") for name in ONE_AGENT),
-        *((gym_env, {name: None}, "has no place in a message") for name in ONE_AGENT),
-        *((parallel_env, {name: wrong}, f"{name[:-7]} spaces") for name in TWO_AGENTS for wrong in (None, {}, [ONE])),
-        (parallel_env, {"action_spaces": {"a": ONE}}, r"observations are \['a', 'b'\], those with actions \['a'\]"),
-        (parallel_env, {"observation_spaces": {5: ONE}, "action_spaces": {5: ONE}}, "the name of an agent"),
-        *((Agent, {"name": name}, "name") for name in ("", None, 0)),
+        *((kind, {"agent_name": name}, "agent_name") for kind in (gym_env, vector_env) for name in ("", -1)),
+        *((kind, {name: 5}, name) for kind in (gym_env, vector_env) for name in ONE_AGENT),
+        *((parallel_env, {name: wrong}, name) for name in TWO_AGENTS for wrong in ({}, [ONE])),
+        *((parallel_env, {name: {"a": 5}}, name[:-1]) for name in TWO_AGENTS),
+        (parallel_env, {"observation_spaces": {5: ONE}}, "the name of an agent"),
+        *((Agent, {"name": name}, "name") for name in ("", 0)),
         *((scene, {"name": name}, "name") for name in ("", None, 0)),
         *((scene, {"dt": dt}, "dt") for dt in (0, -1, None, float("nan"), "1")),
         *((scene, {"agents": agents}, "agents|iterable") for agents in (None, [5], [Agent], 0, "", b"", {})),
@@ -300,78 +281,78 @@ def test_what_nothing_can_be_made_of_is_named_at_once(make, words, named):
     assert "\n" not in str(refusal.value)
 
 
-# The simulator in Python
+# Agents by attributes
 
 
-def test_it_hears_what_is_said_to_the_environment_and_says_something_of_it(world):
-    class Heard(SceneSimulator):
-        def on_info(self, info):
-            self.infos.append(f"heard {info}")
+def test_sixteen_are_seen_in_one_block_and_one_by_one_alike(world):
+    """Of one form, which stands there once; of several; and who is away, as it was seen last."""
+    scene, columns = seeing(*np.arange(32, dtype=np.float32).reshape(16, 2) / 4), []
 
-    env = world(simulator=Heard("Cars", 0.1, seeing(np.zeros(2)).agents.values()))
-    env.reset(seed=1)
-    env.send_info("all")
-    env.send_info("one", "agent")
-    assert env.step(1)[-1] == {"env": ["heard all"], "agent": ["one"]}
-    assert env.step(1)[-1] == {"env": [], "agent": []}, "once"
+    def change(answer):
+        columns[:] = [section.columns for section in getattr(answer, "sections", [])]
+        return answer
 
+    envs = world(scene=scene, change=change, kind=UnityVectorEnv, num_envs=16)
+    cars = list(scene.agents)
 
-ASKED = {"agents": ["agent"], "options": {}}
+    def alike(seen):
+        assert seen["x"].dtype == np.float32 and seen["x"].tolist() == [list(car.x) for car in cars]
 
-
-def asks(order, row=b"", options=b"", count=1):
-    return Record(records.ASKS, 1, bytes(8 * count), [order] * count, [row] * count, options=options)
-
-
-@pytest.mark.parametrize(
-    ("request_", "code"),
-    [
-        (asks(records.RESET), "missing-field"),
-        (asks(records.RESET, options=b"x"), "bad-tree"),
-        *((asks(records.RESET, options=trees.write(said)), "bad-options") for said in (5, [])),
-        (asks(records.RESET, options=trees.write({})), "missing-field"),
-        (asks(records.RESET, options=trees.write({**ASKED, "agents": 5})), "wrong-type"),
-        (asks(records.RESET, options=trees.write({**ASKED, "agents": [[]]})), "unknown-agent"),
-        (asks(records.RESET, options=trees.write({**ASKED, "agents": ["bus"]})), "unknown-agent"),
-        (asks(records.RESET, options=trees.write({**ASKED, "options": []})), "wrong-type"),
-        (asks(records.RESET, options=trees.write(ASKED), count=2), "wrong-agents"),
-        (asks(records.STEP, trees.write(1)), "wrong-agents"),
-        *(
-            (Message("info", 1, {}, said), "bad-info")
-            for said in ([], *([trees.array_of(trees.write(each))] for each in (5, ["agent"], [[], 5])))
-        ),
-        (Message("info", 1, {}, [trees.array_of(trees.write(["bus", 5]))]), "unknown-agent"),
-        (Message("info", 1, {}, [trees.array_of(b"x")]), "bad-tree"),
-        (Message("jump", 1), "unknown-kind"),
-    ],
-)
-def test_a_request_that_is_none_is_a_line(request_, code, caplog):
-    simulator = seeing(1)
-    simulator.hello()
-    answer = Message.read(simulator.answer(request_))
-    assert (answer.kind, answer.values["code"]) == ("error", code), answer.values
-    assert caplog.text == ""
+    alike(envs.reset(seed=1)[0])
+    assert columns == [FORM]
+    nothing = np.zeros(16, int)
+    cars[3].x = [5, 6.0]
+    seen, *_ = envs.step(nothing)
+    alike(seen)
+    assert columns == [SIZES]
+    seen["x"][:] = 7
+    cars[3].x = cars[3].x[::-1]
+    alike(envs.step(nothing)[0])
+    cars[3].x = np.float32([1, 2])
+    scene.remove(cars[7])
+    alike(envs.step(nothing)[0])
+    assert columns == [FORM]
+    scene.add(cars[7])
+    cars[7].x = -cars[7].x
+    alike(envs.step(nothing)[0])
+    assert columns == [FORM]
+    cars[7].x = np.float32([10, 0])
+    with pytest.raises(MessageError, match=r"^not-in-space: 'agent_7'@\['x'\]: float32 \[2\] array\(\[10"):
+        envs.step(nothing)
 
 
-def test_who_has_ended_has_no_more_ticks(world):
-    class Counts(Agent):
-        ticks = 0
-
-        def on_tick(self, dt):
-            self.ticks += 1
-            self.terminated = self.ticks % 2 == 0
-
-    car, other = Car(), Counts("other")
-    car.x = np.zeros(2)
-    env = world(simulator=SceneSimulator("Cars", 0.1, [car, other]))
-    for ticks in (2, 4):
-        env.reset(seed=1)
-        for _ in range(4):
-            env.step(1)
-        assert other.ticks == ticks
+def test_each_of_several_has_the_space_that_python_gives_it(world):
+    wide = spaces.Dict(x=spaces.Box(-9, 9, (2,), np.float64))
+    given = {"agent_2": wide, "agent_0": spaces.Dict(x=ONE)}
+    actions = {"agent_2": spaces.Discrete(5), "agent_0": spaces.Dict(go=ONE)}
+    scene = seeing(*np.ones((3, 2), np.float32))
+    env = world(scene=scene, kind=UnityParallelEnv, observation_spaces=given, action_spaces=actions)
+    seen, _ = env.reset(seed=1)
+    assert {name: one["x"].dtype for name, one in seen.items()} == {"agent_0": np.float32, "agent_2": np.float64}
+    done: Any = []
+    for car in scene.agents:
+        car.on_action = done.append
+    env.step({"agent_2": 4, "agent_0": {"go": np.ones(2, np.float32)}})
+    assert done[0]["go"].tolist() == [1, 1] and done[1:] == [4], "and the one between them does nothing"
 
 
-def test_a_wrong_class_or_scene_is_named():
+class Sure(Car):
+    observation, action = spaces.Dict(x=ONE), spaces.Discrete(2)
+
+
+def test_fields_are_seen_in_the_space_that_their_class_has(world):
+    """Python may leave it out, or say the same."""
+    for words in ({"observation_space": None, "action_space": None}, {}):
+        env = world(scene=seeing([1, 2], kind=Sure), **words)
+        assert env.observation_space == Sure.observation
+        assert env.reset(seed=1)[0]["x"].tolist() == [1, 2]
+    with pytest.raises(MessageError, match=r"not-in-space: 'agent'@\['x'\]: float32 \[2\] array\(\[10"):
+        world(scene=seeing([10, 0], kind=Sure)).reset(seed=1)
+    with pytest.raises(MessageError, match=r"^wrong-scene: the observation of agent is Box.* here, at \['x'\]$"):
+        world(GRAPH, scene=seeing([1, 2], kind=Sure))
+
+
+def test_a_wrong_class_is_named():
     class Speeder(Agent):
         velocity: Annotated[Any, Obs(".speed[")] = None
 
@@ -385,8 +366,6 @@ def test_a_wrong_class_or_scene_is_named():
     ):
         with pytest.raises(ValueError, match=f"^{re.escape(said)}"):
             kind()
-    with pytest.raises(ValueError, match=r"^two agents have one name: 'a', 'a'; each needs a name of its own"):
-        SceneSimulator("Cars", 0.1, [Car("a"), Car("a")])
 
 
 @pytest.mark.filterwarnings("ignore:.*Box.*precision lowered:UserWarning", "ignore:.*overflow.*:RuntimeWarning")
@@ -396,7 +375,10 @@ def test_an_action_is_the_value_that_it_is_however_it_is_written():
     for space in [*spaces_of_actions, *(a_space(random) for _ in range(200))]:
         space.seed(12)
         action = space.sample()
-        assert unity_env.ActionRows("agent", space).write(action) == trees.write(fit.fitted(space, action, "")), space
+        section = Section(0, b"", b"\1")
+        Actions(space, CARS).put(section, [action])
+        form = trees.SIZE.pack(len(section.form)) + section.form if section.columns & FORM else b""
+        assert form + section.values == trees.write(fit.fitted(space, action, "")), space
 
 
 # Plans: what is seen is read in the places where its form says that it goes
@@ -405,7 +387,8 @@ def test_an_action_is_the_value_that_it_is_however_it_is_written():
 def told(sight, *pairs):
     """What is seen then, or what is wrong with it."""
     try:
-        return sight.read(trees.write_pairs(list(pairs)))
+        sight.read(*trees.parted(trees.write_pairs(list(pairs))))
+        return sight.again()
     except MessageError as error:
         return str(error)
 
@@ -420,7 +403,7 @@ def spoil(seen):
         seen[...] = 1
 
 
-SEEN = {
+ODD = {
     "links that are text": (GRAPH, spaces.GraphInstance(NODES, EDGES, "x"), "not-in-space: 'agent'@"),
     "links too large": (GRAPH, spaces.GraphInstance(NODES, EDGES, [2**52]), "not-in-space: 'agent'@"),
     "links with a fraction": (
@@ -461,10 +444,10 @@ SEEN = {
 }
 
 
-@pytest.mark.parametrize("what", SEEN)
+@pytest.mark.parametrize("what", ODD)
 def test_a_plan_reads_what_merging_makes(what):
     """In the same place twice nothing can be planned: it is merged."""
-    space, odd, said = SEEN[what]
+    space, odd, said = ODD[what]
     space.seed(11)
     planned, merged = (Sight("agent", spaces.Dict(x=space)) for _ in range(2))
     for value in (space.sample(), odd, space.sample(), space.sample(), odd):
@@ -519,10 +502,10 @@ def test_what_is_not_written_stays_whatever_form_comes():
             pairs[str(key)] = float(value[0]) if "(" in key else {"g": np.ones(2)} if "[" in key else value
         # The whole of a thing before its parts, as a scene sends them.
         places = sorted((f"'agent'@.{key}", value) for key, value in pairs.items())
-        one = planned.read(trees.write_pairs(places))
+        one = told(planned, *places)
         # This pair must be merged, and changes nothing.
         nothing = ("'agent'@.a(0) = $(0)", merged.again()["a"])
-        other = merged.read(trees.write_pairs([nothing, *places]))
+        other = told(merged, nothing, *places)
         plans += planned.plan is not None
         assert merged.plan is None
         assert equal(one, other), (step, pairs)

@@ -31,11 +31,13 @@ from netmq_example.envs.common import MadeAnew
 from netmq_example.envs.gym_env import check_space
 from netmq_example.envs.infos import info_in, scene_infos
 from netmq_example.envs.kinds import Kind, SceneHello, agreed
+from netmq_example.envs.merge import fitted
 from netmq_example.envs.observations import Rows, Sights, observations_of
 from netmq_example.envs.remote import GONE, Remote, is_seed, refused_reset
 from netmq_example.envs.rendering import MODES, Rendered, check_words
 from netmq_example.errors import Lost
 from netmq_example.messages import EXACT, MessageError
+from netmq_example.wire import trees
 from netmq_example.wire.records import (
     ABSENT,
     NEW,
@@ -49,6 +51,7 @@ from netmq_example.wire.records import (
     Section,
     rewards_in,
     seeds,
+    with_sizes,
 )
 
 Spaces = Mapping[str, Space[Any]]
@@ -58,11 +61,13 @@ Outcome = tuple[Any, float, bool, bool, dict[str, Any]]
 class Team:
     """The agents of one kind that are asked for, by row."""
 
-    def __init__(self, kind: Kind, agents: dict[int, str], seen: Rows | Sights, actions: Actions) -> None:
+    def __init__(self, kind: Kind, agents: dict[int, str], seen: Rows | Sights, actions: Actions, mixed: bool) -> None:
         self.kind = kind
         self.agents = agents
         self.seen = seen
         self.actions = actions
+        # Python says what each of them does, and not the same of all.
+        self.mixed = mixed
 
 
 class UnityParallelEnv(MadeAnew, Rendered, ParallelEnv):  # type: ignore[misc, unused-ignore]
@@ -126,7 +131,8 @@ class UnityParallelEnv(MadeAnew, Rendered, ParallelEnv):  # type: ignore[misc, u
             if isinstance(seen, Sights):
                 seen.use(agents, self.observation_spaces)
             team_actions = Actions(self.action_spaces[first], kind, checks=self.simulators.fleet)
-            teams.append(Team(kind, agents, seen, team_actions))
+            mixed = any(self.action_spaces[agent] != team_actions.space for agent in agents.values())
+            teams.append(Team(kind, agents, seen, team_actions, mixed))
         slowest = max(team.kind.period for team in teams)
         self.dt = scene.dt * slowest
         self.metadata = {
@@ -192,7 +198,11 @@ class UnityParallelEnv(MadeAnew, Rendered, ParallelEnv):  # type: ignore[misc, u
             stepping = {row: agent for row, agent in team.agents.items() if agent in living}
             marks = bytes(STEP if row in stepping else NOTHING for row in range(count))
             section = Section(team.kind.at, bytes(8 * count), marks)
-            team.actions.put(section, [self.checked(team, agent, actions[agent]) for agent in stepping.values()])
+            done = {agent: self.checked(team, agent, actions[agent]) for agent in stepping.values()}
+            if team.mixed:
+                with_sizes(section, [trees.write(fitted(self.action_spaces[agent], done[agent], "")) for agent in done])
+            else:
+                team.actions.put(section, list(done.values()))
             sections.append(section)
         return self.remote.ask(sections)
 

@@ -176,8 +176,6 @@ def mappings_for(name: str, text: str) -> list[Mapping]:
         mappings = known(text, name).mappings
     except LocatorError as error:
         raise MessageError("bad-observation", f"{text[:100]}: {error}") from None
-    if not all(one.absolute for one in mappings):
-        raise MessageError("bad-observation", f"{text[:100]}: it names no agent")
     return [one for one in mappings if one.names(name)]
 
 
