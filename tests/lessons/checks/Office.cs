@@ -27,7 +27,8 @@ namespace NetMQExample.Tests
                 office.Clerks.Add(new Clerk(parts[0], office, parts.Length > 1 ? Program.Whole(parts[1]) : 1));
             var simulator = new SceneSimulator("Office", Dt, office.Clerks, office)
             {
-                Warn = Console.WriteLine, Refuse = (clerk, why) => Console.WriteLine(why),
+                Warn = Console.WriteLine,
+                Refuse = (clerk, why) => Console.WriteLine(why),
             };
             var words = atMost.Split(new[] { ' ' }, StringSplitOptions.RemoveEmptyEntries);
             for (var i = 0; i < words.Length; i += 2) simulator.AtMost[words[i]] = Program.Whole(words[i + 1]);
