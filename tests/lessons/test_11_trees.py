@@ -26,7 +26,9 @@ from netmq_example.envs import merge as fit  # noqa: E402
 from netmq_example.envs.merge import empty  # noqa: E402
 from netmq_example.locator import LocatorError  # noqa: E402
 from netmq_example.messages import MessageError  # noqa: E402
-from netmq_example.wire import trees  # noqa: E402
+from netmq_example.scene.agent import seen_by  # noqa: E402
+from netmq_example.wire import records, trees  # noqa: E402
+from netmq_example.wire.records import Record, Section  # noqa: E402
 
 PAGE = ROOT / "docs" / "guide" / "11_locators.md"
 
@@ -81,15 +83,21 @@ def test_both_languages_read_and_write_the_golden_values(program):
     assert done.stdout.splitlines() == [one["data"] for one in golden], done.stderr
 
 
-def test_both_languages_write_the_golden_pairs(program):
-    golden = GOLDEN["pairs"]
+def test_both_languages_write_the_golden_rows(program):
+    """The agent itself is not named: so the rows of all of a kind have one form."""
+    reset = Record(records.ASKS, 1, [Section(0, records.seeds([1]), bytes([records.RESET]))]).frame()
     lines = []
-    for one in golden:
-        pairs = [(text, meant(value)) for text, value in one["means"]]
+    for one in GOLDEN["rows"]:
+        sources = [(locator.parse(text), meant(value)) for text, value in one["means"]]
+        pairs = [(text, value) for place, value in sources if (text := seen_by("it's", place))]
+        pairs.sort(key=lambda pair: locator.ordinal(pair[0]))
         assert trees.write_pairs(pairs).hex() == one["data"], one["name"]
-        lines.append(" ".join(data.hex() for pair in pairs for data in (pair[0].encode(), trees.write(pair[1]))))
-    done = finished([*program, "pairs"], input="\n".join(lines))
-    assert done.stdout.splitlines() == [one["data"] for one in golden], done.stderr
+        words = [reset, *(data for place, value in sources for data in (place.text.encode(), trees.write(value)))]
+        lines.append(" ".join(word.hex() for word in words))
+    done = finished([*program, "row"], input="\n".join(lines))
+    answers = [records.read(records.ANSWERS, bytes.fromhex(line)).sections[0] for line in done.stdout.splitlines()]
+    rows = [trees.sized(section.form).hex() + section.values.hex() for section in answers]
+    assert rows == [one["data"] for one in GOLDEN["rows"]], done.stderr
 
 
 def test_a_picture_that_is_a_file_arrives_as_its_pixels():

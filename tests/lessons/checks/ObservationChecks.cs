@@ -2,13 +2,11 @@
 //
 //     trees         each line of the input is a value (MessageTree.cs) in hexadecimal digits; it is read, and
 //                   printed is the same value, written again, or "error" and the code
-//     pairs         each line has texts and values, in turn, in hexadecimal digits; printed is what WritePairs makes of
-//                   them
+//     row           each line has a reset, and then locators and values in turn, in hexadecimal digits; printed is the
+//                   answer of a simulator whose only agent, it's, sees them
 //     attributes    what is seen of some classes, line by line, and what is wrong with others
 //     world [NAME …] --endpoint E    simulates agents that do what they are told: a, b and c, or those
 using System;
-using System.Buffers;
-using System.Globalization;
 using System.Linq;
 using System.Text;
 
@@ -22,9 +20,9 @@ namespace NetMQExample.Tests
             if (words[0] == "trees")
                 for (var line = Console.ReadLine(); line != null; line = Console.ReadLine())
                     Console.WriteLine(Again(line));
-            else if (words[0] == "pairs")
+            else if (words[0] == "row")
                 for (var line = Console.ReadLine(); line != null; line = Console.ReadLine())
-                    Console.WriteLine(Pairs(line));
+                    Console.WriteLine(Row(line));
             else if (words[0] == "world") World.Run(words.Last(), words.Skip(1).Take(words.Length - 3));
             else Attributes.Print();
         }
@@ -41,11 +39,27 @@ namespace NetMQExample.Tests
             }
         }
 
-        private static string Pairs(string line)
+        private static string Row(string line)
         {
-            throw new NotSupportedException($"a row of locators is written by a simulator: {line}");
+            var words = line.Split(' ').Select(Hex.Bytes).ToArray();
+            var values = words.Skip(1).Where((_, i) => i % 2 == 1).Select(data => MessageTree.Read(data)).ToArray();
+            var sources = values.Select((value, i) => AgentState.Make(
+                "given", Encoding.UTF8.GetString(words[1 + 2 * i]), "", null, () => value)).ToArray();
+            var simulator = new SceneSimulator("Given", 1, new[] { new Nobody() }, sensors: sources);
+            simulator.Hello();
+            var request = new StepRequest();
+            request.Read(words[0]);
+            simulator.Answer(request);
+            return Hex.Digits(simulator.Frame.ToArray());
         }
 
         internal static string Shown(object value) => Hex.Digits(MessageTree.Write(value));
+
+        private sealed class Nobody : PlainAgent
+        {
+            public Nobody() : base("it's")
+            {
+            }
+        }
     }
 }
