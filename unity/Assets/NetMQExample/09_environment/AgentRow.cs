@@ -9,83 +9,48 @@ namespace NetMQExample
     /// <summary>The place of an agent in its kind: its name stays, also while nobody has it.</summary>
     internal sealed class AgentRow
     {
+        public readonly AgentKind Kind;
+        public readonly string Name;
+        // Within its kind, and among all of the hello.
+        public readonly int Place, Number;
+        // What it sees with, where that are attributes.
+        public readonly SeenSources Seen = new SeenSources();
+        // Who has it, or had it last; or null.
+        public IAgent Agent;
+        public AgentState State;
+        // Its place in the list of those that take part; below 0: it has no part now.
+        public int At = -1;
+        // Whether its agent has been there at all, its episode has begun, and somebody has come who must begin.
+        public bool Came, Begun, Born;
+        // Whether Python knows that it is over, or that it has left.
+        public bool Told;
+        // In this exchange: whether it has begun, is new in the answer, has its observation in it, and is in a section of
+        // those that have ended.
+        public bool BeganNow, New, Shown, Ended;
+        // What it has seen in the step of its end, and the form of that: others may have begun since then, or it has left.
+        public (byte[] Bytes, string Form) Last;
+        // What Python wants of it: its order, the seed of its next episode, and whether it has an action, in real time also
+        // one from before.
+        public Order Order;
+        public long Seed;
+        public bool Acts;
+
         private readonly SpaceReader reader;
         private object tree;
 
         public AgentRow(AgentKind kind, int place, int number, string name)
         {
-            Kind = kind;
-            Place = place;
-            Number = number;
-            Name = name;
+            (Kind, Place, Number, Name) = (kind, place, number, name);
             reader = kind.Action == null ? null : new SpaceReader(kind.Action);
         }
 
-        public AgentKind Kind { get; }
-
-        /// <summary>Within its kind.</summary>
-        public int Place { get; }
-
-        /// <summary>Among all of the hello.</summary>
-        public int Number { get; }
-
-        public string Name { get; }
-
-        /// <summary>Who has it, or had it last; or null.</summary>
-        public IAgent Agent { get; set; }
-
-        public AgentState State { get; set; }
-
-        /// <summary>What it sees with, where that are attributes.</summary>
-        public SeenSources Seen { get; } = new SeenSources();
-
-        /// <summary>Its place in the list of those that take part; below 0: it has no part now.</summary>
-        public int At { get; set; } = -1;
-
         public bool Present => At >= 0;
-
-        /// <summary>Whether its agent has been there at all.</summary>
-        public bool Came { get; set; }
-
-        /// <summary>Whether its episode has begun.</summary>
-        public bool Begun { get; set; }
-
-        /// <summary>Whether somebody has come who must begin.</summary>
-        public bool Born { get; set; }
-
-        /// <summary>Whether Python knows that it is over, or that it has left.</summary>
-        public bool Told { get; set; }
-
-        /// <summary>Whether it is new in this answer.</summary>
-        public bool New { get; set; }
-
-        /// <summary>Whether it has begun in this exchange.</summary>
-        public bool BeganNow { get; set; }
-
-        public Order Order { get; set; }
-
-        /// <summary>The seed of its next episode.</summary>
-        public long Seed { get; set; }
-
-        /// <summary>Whether it has an action, in real time also one from before.</summary>
-        public bool Acts { get; set; }
-
-        /// <summary>What it has seen in the step of its end, and the form of that: others may have begun since then, or
-        /// it has left.</summary>
-        public (byte[] Bytes, string Form) Last { get; set; }
-
-        /// <summary>Whether this answer has its observation.</summary>
-        public bool Shown { get; set; }
-
-        /// <summary>Whether it is said in a section of its own that it has ended.</summary>
-        public bool Ended { get; set; }
 
         public bool Steps => Order == Order.Step || Order == Order.Last;
 
-        /// <summary>Whether it is there, in an episode, which may be over by now.</summary>
+        // Whether it is there, in an episode, which may be over by now; and whether it ticks.
         public bool Plays => Present && Begun && !Born;
 
-        /// <summary>Whether it ticks.</summary>
         public bool Lives => Plays && !State.Over;
 
         /// <summary>Takes its action, and checks it.</summary>
