@@ -14,7 +14,7 @@ from netmq_example.scene.agent import Agent
 from netmq_example.wire import trees
 from netmq_example.wire.records import ASKS, FORM, Section, with_sizes
 from netmq_example.wire.space_bytes import Bytes
-from netmq_example.wire.spaces import REASONS, Numbers, described, misfit
+from netmq_example.wire.spaces import REASONS, Numbers, described
 
 
 class Kind:
@@ -93,19 +93,14 @@ class Kind:
             value = agent.observe()
             # Of the space as it is, as a rule.
             if type(value) is not np.ndarray or value.dtype != codec.dtype or value.shape != codec.shape:
-                value = fitting(codec, value)
+                value = self.observation.read(write_row(self.observation, value))
             block[at] = value
         try:
             codec.check(block)
         except MessageError:
             for row in block:
                 codec.check(row)
-        data = block.tobytes()
-        return (
-            [data[at : at + codec.size] for at in range(0, len(data), codec.size)]
-            if codec.size
-            else [b""] * len(agents)
-        )
+        return [row.tobytes() for row in block]
 
 
 def read_rows(space: Bytes, rows: list[Any]) -> list[Any]:
@@ -123,26 +118,13 @@ def write_row(space: Bytes, value: Any) -> bytes:
     """What an agent sees, which must be in its space."""
     try:
         row = space.write(value)
+        space.read(row)
     except MessageError:
         raise
     except REASONS as error:
         text = " ".join(f"{value!r:.80} is not in {space.space}: {error!s:.80}".split())
         raise MessageError("not-in-space", text) from None
-    space.read(row)
     return row
-
-
-def fitting(codec: Numbers, value: Any) -> Any:
-    """An array of the space's own shape and dtype, whatever numbers are given."""
-    try:
-        items = codec.exact(value)
-    except MessageError:
-        raise
-    except REASONS as error:
-        raise MessageError("not-in-space", f"{error!s:.80}: it is not in {codec.space}") from None
-    if items.shape != codec.shape:
-        raise misfit(items, codec.space)
-    return items
 
 
 def with_rows(section: Section, rows: list[bytes], located: bool) -> Section:
