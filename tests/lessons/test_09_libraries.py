@@ -664,7 +664,7 @@ def test_stable_baselines3_checks_and_learns(many, sb3):
 
 @pytest.mark.long
 def test_stable_baselines3s_own_vecenv_of_single_ones_is_the_same(sb3):
-    vec_env = needs("stable_baselines3.common.vec_env")
+    vec_env = needs("stable_baselines3.common.vec_env.dummy_vec_env")
     words = {"max_episode_steps": 20}
     single = [lambda: gymnasium.make(ID, launch=client("09_environment"), **words)] * 3
     both = [vec_env.DummyVecEnv(single), sb3.UnityVecEnv(ID, 3, launch=client(*POLES, "3"), **words)]
