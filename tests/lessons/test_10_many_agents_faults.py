@@ -14,6 +14,7 @@ pytest.importorskip("pettingzoo", reason="lesson 10 needs pettingzoo: kit.py run
 KEY = "10_many_agents"
 from gymnasium.spaces import Box  # noqa: E402
 
+from netmq_example import envs, scene  # noqa: E402
 from netmq_example.envs import UnityAECEnv, UnityGymEnv, UnityParallelEnv, UnityVectorEnv  # noqa: E402
 from netmq_example.envs.remote import LONGEST_INFO  # noqa: E402
 from netmq_example.errors import Lost  # noqa: E402
@@ -244,6 +245,21 @@ def test_areas_that_no_message_can_hold_are_refused(inside):
         gymnasium.make_vec("NetMQExample/CartPole-v0", 1024, socket=simulator.socket)
 
 
+@pytest.mark.parametrize(
+    ("names", "most", "text"),
+    [
+        ("ann ann:2", "", "'ann_1' and 'ann_0' have one name, ann, and not the same period: give them two names"),
+        ("ann ann:1:blind", "", "'ann_1' and 'ann_0' have one name, ann, and not the same observation: give "),
+        ("ann_1 ann_1", "", "two agents are named 'ann_1': each needs a name of its own"),
+        ("ann ann", "ann 1", "there are 1 agents of the name 'ann' already: raise At Most of 'ann' in GymManager"),
+    ],
+)
+def test_agents_that_cannot_be_in_one_scene_of_csharp_are_named_to_python(names, most, text, checks):
+    """At once. In Python it is test_10_scene_rules.py."""
+    with pytest.raises(MessageError, match=f"^gave-up: {text}"):
+        UnityParallelEnv("Office", launch=["dotnet", checks, "office", names, most])
+
+
 # Wrong words of a user
 
 NAN = float("nan")
@@ -353,3 +369,12 @@ def test_it_may_be_closed_twice(areas, game):
         each.close()
         each.close()
         assert [request.kind for request in each.simulator.asked].count("close") == 1
+
+
+def test_what_version_0_3_called_otherwise():
+    for name in "GymEnv", "VectorEnv", "ParallelEnv":
+        with pytest.warns(DeprecationWarning, match=f" is Unity{name} now"):
+            assert getattr(envs, f"Zmq{name.removeprefix('Gym')}") is getattr(envs, f"Unity{name}")
+    for name in "Simulation", "AgentSimulation", "Simulator", "AreaSimulator", "AgentSimulator":
+        with pytest.raises(AttributeError, match=f"^{name} is gone: (derive from Agent|write SceneSimulator)"):
+            getattr(scene, name)

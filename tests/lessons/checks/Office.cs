@@ -24,7 +24,8 @@ namespace NetMQExample.Tests
         {
             var office = new Office();
             foreach (var parts in names.Split(' ').Select(name => name.Split(':')))
-                office.Clerks.Add(new Clerk(parts[0], office, parts.Length > 1 ? Program.Whole(parts[1]) : 1));
+                office.Clerks.Add(new Clerk(parts[0], office, parts.Length > 1 ? Program.Whole(parts[1]) : 1)
+                    { IsBlind = parts.Length > 2 });
             var simulator = new SceneSimulator("Office", Dt, office.Clerks, office)
             {
                 Warn = Console.WriteLine,
@@ -81,7 +82,9 @@ namespace NetMQExample.Tests
 
         public Clerk(string name, Office office, int period = 1) : base(name, period) => this.office = office;
 
-        public override GymSpace Observation => Seen;
+        public bool IsBlind { get; set; }
+
+        public override GymSpace Observation => IsBlind ? null : Seen;
 
         public override GymSpace Action => Words;
 
