@@ -24,13 +24,13 @@ namespace NetMQExample
         public bool Came, Begun, Born;
         // Whether Python knows that it is over, or that it has left.
         public bool Told;
-        // In this exchange: whether it has begun, is new in the answer, has its observation in it, and is in a section of
-        // those that have ended.
+        // In this exchange: whether it has begun, is new in the answer, has its observation in it, and is in a section
+        // of those that have ended.
         public bool BeganNow, New, Shown, Ended;
-        // What it has seen in the step of its end, and the form of that: others may have begun since then, or it has left.
+        // What it has seen in the step of its end, and the form of that: others may have begun since, or it has left.
         public (byte[] Bytes, string Form) Last;
-        // What Python wants of it: its order, the seed of its next episode, and whether it has an action, in real time also
-        // one from before.
+        // What Python wants of it: its order, the seed of its next episode, and whether it has an action, in real time
+        // also one from before.
         public Order Order;
         public long Seed;
         public bool Acts;
@@ -85,38 +85,26 @@ namespace NetMQExample
     /// <summary>Agents of one name, whose spaces are equal.</summary>
     internal sealed class AgentKind
     {
+        public readonly string Name;
+        // In the hello.
+        public readonly int Place;
+        public readonly int Period;
+        public readonly GymSpace Observation, Action;
+        public readonly List<AgentRow> Rows = new List<AgentRow>();
+        // Whether Python asks for it in this request; and whether what is seen comes as locators and values, also where
+        // C# says the space.
+        public bool Asked, Located;
+
         private readonly SpaceWriter writer;
 
         public AgentKind(string name, int place, IAgent first)
         {
-            Name = name;
-            Place = place;
-            Period = first.AgentState.Period;
-            Observation = first.Observation;
-            Action = first.Action;
+            (Name, Place, Period) = (name, place, first.AgentState.Period);
+            (Observation, Action) = (first.Observation, first.Action);
             writer = Observation == null ? null : new SpaceWriter(Observation);
         }
 
-        public string Name { get; }
-
-        /// <summary>In the hello.</summary>
-        public int Place { get; }
-
-        public int Period { get; }
-
-        public GymSpace Observation { get; }
-
-        public GymSpace Action { get; }
-
-        public List<AgentRow> Rows { get; } = new List<AgentRow>();
-
-        /// <summary>Whether Python has asked for it in this request.</summary>
-        public bool Asked { get; set; }
-
-        /// <summary>Whether what is seen comes as locators and values, also where C# says the space.</summary>
-        public bool Located { get; set; }
-
-        /// <summary>How many bytes each observation has; below 0: that varies.</summary>
+        // How many bytes each observation has; below 0: that varies.
         public int Size => Located ? -1 : Observation.Size;
 
         /// <summary>Writes an observation, and returns its form, where it has one.</summary>
@@ -134,7 +122,6 @@ namespace NetMQExample
             return form;
         }
 
-        /// <exception cref="MessageException">This agent is of another kind.</exception>
         public void Check(IAgent agent)
         {
             var what = agent.AgentState.Period != Period ? "period"

@@ -1,41 +1,31 @@
 // Lesson 09, a frame that is being written: bytes that grow, and can be written over.
 using System;
-using System.Buffers;
 
 namespace NetMQExample
 {
     /// <summary>It is used again for the next frame, and then makes no garbage.</summary>
-    internal sealed class FrameBuffer : IBufferWriter<byte>
+    internal sealed class FrameBuffer
     {
         private byte[] bytes = new byte[256];
 
-        /// <summary>How many bytes there are.</summary>
         public int Count { get; private set; }
 
-        public void Clear(int count = 0) => Count = count;
+        public void Clear() => Count = 0;
 
         public void Advance(int count) => Count += count;
 
-        // Never an empty one: what writes in parts would stop.
-        public Span<byte> GetSpan(int sizeHint = 0)
+        public Span<byte> GetSpan(int size)
         {
-            Grow(Math.Max(1, sizeHint));
+            Grow(size);
             return bytes.AsSpan(Count);
         }
 
-        public Memory<byte> GetMemory(int sizeHint = 0)
-        {
-            Grow(Math.Max(1, sizeHint));
-            return bytes.AsMemory(Count);
-        }
-
-        /// <summary>What stands there from a place on.</summary>
+        // What stands there from a place on: to be written over, or to be sent.
         public Span<byte> At(int at) => bytes.AsSpan(at, Count - at);
 
         public ReadOnlyMemory<byte> From(int at) => bytes.AsMemory(at, Count - at);
 
-        /// <summary>Zeros, to be written over, behind zeros up to a multiple of 8.</summary>
-        /// <returns>Where they begin.</returns>
+        // Zeros, to be written over, behind zeros up to a multiple of 8; and where they begin.
         public int Reserve(int size)
         {
             Pad();
@@ -45,7 +35,6 @@ namespace NetMQExample
             return at;
         }
 
-        /// <summary>Zeros up to a multiple of 8.</summary>
         public void Pad()
         {
             for (Grow(8); Count % 8 != 0; Count++) bytes[Count] = 0;

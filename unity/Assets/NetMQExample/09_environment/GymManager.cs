@@ -82,20 +82,20 @@ namespace NetMQExample
             {
                 Simulator = before.Simulator;
                 Simulator.ForgetListeners();
-                Simulator.World = this;
+                Simulator.Moves.World = this;
                 Hear();
                 return;
             }
             Simulator = new SceneSimulator(EnvName, Dt, Agents, this, SensorComponent.All)
             {
-                Everyone = Everyone,
-                Physics = () => Physics.Simulate((float)Dt),
                 Loads = SceneChange.Loads,
                 Warn = Debug.LogWarning,
-                Exists = agent => !(agent is Agent one) || one != null,
                 Refuse = (agent, why) => (agent as Agent)?.GiveUp(why),
                 WhyNobody = () => Agent.Mistake,
             };
+            Simulator.Roster.Everyone = Everyone;
+            Simulator.Roster.Exists = agent => !(agent is Agent one) || one != null;
+            Simulator.Moves.Physics = () => Physics.Simulate((float)Dt);
             foreach (var one in atMost) Simulator.AtMost[one.name] = one.count;
             Hear();
             played = byHand ? new ByHand(Simulator, Dt, Heuristic) : null;

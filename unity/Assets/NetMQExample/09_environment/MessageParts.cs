@@ -1,6 +1,5 @@
 // Lesson 09, the small parts of values and rows: texts, and how many of something follow.
 using System;
-using System.Buffers;
 using System.Text;
 
 namespace NetMQExample
@@ -9,25 +8,18 @@ namespace NetMQExample
     {
         private static readonly UTF8Encoding Utf8 = new UTF8Encoding(false, true);
 
-        /// <summary>Numbers without a sign, as many as bytes can be: how many items follow.</summary>
-        public static void WriteSize(IBufferWriter<byte> to, int size)
+        public static void WriteBytes(FrameBuffer to, byte[] bytes)
         {
-            BitConverter.TryWriteBytes(to.GetSpan(4), (uint)size);
-            to.Advance(4);
-        }
-
-        public static void WriteBytes(IBufferWriter<byte> to, byte[] bytes)
-        {
-            WriteSize(to, bytes.Length);
+            to.Write((uint)bytes.Length);
             to.Write(bytes);
         }
 
-        public static void WriteText(IBufferWriter<byte> to, string text)
+        public static void WriteText(FrameBuffer to, string text)
         {
             try
             {
                 var size = Utf8.GetByteCount(text);
-                WriteSize(to, size);
+                to.Write((uint)size);
                 Utf8.GetBytes(text, to.GetSpan(size));
                 to.Advance(size);
             }

@@ -15,7 +15,6 @@
 //
 // The form of most values stays the same from step to step, and so it is looked at once. The Python side is trees.py.
 using System;
-using System.Buffers;
 using System.Collections.Concurrent;
 using System.Collections.Generic;
 using System.Globalization;
@@ -38,9 +37,7 @@ namespace NetMQExample
         private static readonly ConcurrentDictionary<string, (string Dtype, int[] Shape)> Arrays =
             new ConcurrentDictionary<string, (string, int[])>();
 
-        /// <summary>A value of the types above.</summary>
-        /// <exception cref="MessageException">It has no place in a message.</exception>
-        public static void Write(IBufferWriter<byte> to, object value)
+        internal static void Write(FrameBuffer to, object value)
         {
             var form = new StringBuilder();
             var numbers = new FrameBuffer();
@@ -49,7 +46,8 @@ namespace NetMQExample
             to.Write(numbers.From(0).Span);
         }
 
-        /// <summary>The same, as an array of its own.</summary>
+        /// <summary>A value of the types above.</summary>
+        /// <exception cref="MessageException">It has no place in a message.</exception>
         public static byte[] Write(object value)
         {
             var bytes = new FrameBuffer();

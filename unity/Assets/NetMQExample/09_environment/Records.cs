@@ -55,14 +55,14 @@ namespace NetMQExample
     [Flags]
     internal enum Columns : ushort
     {
-        None = 0, Who = 1, Ids = 2, Groups = 4, Masks = 8, Sizes = 16, Form = 32, Ended = 64, All = 127,
+        None = 0, Who = 1, Sizes = 16, Form = 32, Ended = 64,
     }
 
     // What an answer says of a row.
     [Flags]
     internal enum Marks : byte
     {
-        None = 0, Terminated = 1, Truncated = 2, Absent = 4, New = 8, Wants = 16, Seen = 32,
+        None = 0, Absent = 4, New = 8, Seen = 32,
     }
 
     /// <summary>A request, as it stands in a frame. It is read again and again, and then makes no garbage.</summary>

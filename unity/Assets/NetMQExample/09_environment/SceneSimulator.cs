@@ -63,22 +63,13 @@ namespace NetMQExample
         /// <summary>By name, how many agents there may be, where these are more than at the hello.</summary>
         public Dictionary<string, int> AtMost => roster.AtMost;
 
-        /// <summary>All agents in the order in which they stand, also those that are switched off.</summary>
-        public Func<IReadOnlyList<IAgent>> Everyone { get => roster.Everyone; set => roster.Everyone = value; }
-
-        /// <summary>One tick of whatever moves besides the agents and the world: in Unity physics.</summary>
-        public Action Physics { get => steps.Physics; set => steps.Physics = value; }
-
-        /// <summary>Whether a scene is being loaded, such as by an agent's OnReset: its agents come with it.</summary>
-        public Func<bool> Loads { get; set; } = () => false;
-
-        /// <summary>Whether an agent that has left could come back: in Unity it is not destroyed.</summary>
-        public Func<IAgent, bool> Exists { get => roster.Exists; set => roster.Exists = value; }
+        // Whether a scene is being loaded, such as by an agent's OnReset: its agents come with it.
+        internal Func<bool> Loads { get; set; } = () => false;
 
         /// <summary>Called with each agent for which there is no place, and why.</summary>
         public Action<IAgent, string> Refuse { get; set; } = (agent, why) => { };
 
-        /// <summary>Why there are no agents.</summary>
+        // Why there are no agents.
         internal Func<string> WhyNobody { get; set; } = () => "give it some";
 
         /// <summary>Called with a line that a person should read.</summary>
@@ -87,16 +78,17 @@ namespace NetMQExample
         /// <summary>Hears what Python sends to the environment itself.</summary>
         public event Action<object> OnInfo;
 
-        /// <summary>Those who hear it in every scene, or null.</summary>
+        // Those who hear it in every scene, or null.
         internal Func<Action<object>> Others { get; set; } = () => null;
 
-        /// <summary>Whether it waits for the agents of a scene that was loaded.</summary>
+        // Whether it waits for the agents of a scene that was loaded.
         internal bool Loading { get; private set; }
 
-        // A scene that is loaded anew has another one.
-        internal IWorld World { get => steps.World; set => steps.World = value; }
+        internal AgentRoster Roster => roster;
 
-        /// <summary>The scene of those who heard is left.</summary>
+        internal SceneSteps Moves => steps;
+
+        // The scene of those who heard is left.
         internal void ForgetListeners() => OnInfo = null;
 
         /// <summary>Tells Python something of the environment itself, with the next answer.</summary>
@@ -417,7 +409,7 @@ namespace NetMQExample
         private Message Render(long id)
         {
             var picture = new Message("picture", id);
-            var all = World?.Render();
+            var all = steps.World?.Render();
             var each = all != null
                 ? new[] { all }
                 : roster.Rows.Select(row => row.Present ? row.Agent.Render() : null).ToArray();

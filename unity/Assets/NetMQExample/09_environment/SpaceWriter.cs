@@ -159,7 +159,7 @@ namespace NetMQExample
                     var which = Enumerable.Range(0, of.Parts.Length)
                         .Where(at => pair.Count == 2 && Flat(pair[0]).SequenceEqual(new double[] { at })).ToArray();
                     if (which.Length == 0) throw Wrong(of, value);
-                    MessageParts.WriteSize(to, which[0]);
+                    to.Write((uint)which[0]);
                     Write(of.Parts[which[0]], pair[1]);
                     return;
                 case "graph":
@@ -173,7 +173,7 @@ namespace NetMQExample
 
         private void WriteItems(GymSpace of, IReadOnlyList<object> items)
         {
-            MessageParts.WriteSize(to, items.Count);
+            to.Write((uint)items.Count);
             foreach (var item in items) Write(of, item);
         }
 
@@ -181,8 +181,8 @@ namespace NetMQExample
         {
             var nodes = Items(of, graph.Nodes);
             var edges = graph.Edges == null || of.Parts.Length < 2 ? null : Items(of, graph.Edges);
-            MessageParts.WriteSize(to, nodes.Count);
-            MessageParts.WriteSize(to, edges?.Count ?? unchecked((int)NoEdges));
+            to.Write((uint)nodes.Count);
+            to.Write(edges == null ? NoEdges : (uint)edges.Count);
             foreach (var node in nodes) Write(of.Parts[0], node);
             if (edges == null) return;
             foreach (var edge in edges) Write(of.Parts[1], edge);
