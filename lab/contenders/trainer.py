@@ -102,6 +102,7 @@ class LearnersEnv:
 
     def __init__(self, where: str, count: int) -> None:
         self.num_envs = count
+        self.envs: Any
         if where == "sb3":
             from netmq_example.sb3 import UnityVecEnv
 

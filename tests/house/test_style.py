@@ -46,10 +46,10 @@ MYPY = [
 
 
 OWN = """
-from netmq_example.envs import NoSuchName, UnityAECEnv, ZmqEnv
+from netmq_example.envs import NoSuchName, UnityAECEnv, UnityGymEnv
 
-reveal_type(ZmqEnv("CartPole"))
-reveal_type(UnityAECEnv())
+reveal_type(UnityGymEnv("CartPole"))
+reveal_type(UnityAECEnv("Pursuit"))
 """
 
 
@@ -62,7 +62,7 @@ def test_mypy(tmp_path):
     (tmp_path / "own.py").write_text(OWN, encoding="utf-8")
     done = finished([sys.executable, "-m", "mypy", *flags, tmp_path / "own.py"], timeout=900, cwd=ROOT)
     assert 'Module "netmq_example.envs" has no attribute "NoSuchName"' in done.stdout, done.stdout + done.stderr
-    for name in ("gym_env.ZmqEnv", "unity_parallel_env.UnityAECEnv"):
+    for name in ("gym_env.UnityGymEnv", "parallel_env.UnityAECEnv"):
         assert f"netmq_example.envs.{name}" in done.stdout, done.stdout
 
 
