@@ -257,7 +257,10 @@ SAID = [
         give(observe=lambda: [1, 101]),
         "not-in-space: float32 (2,) [1.0, 101.0] is not in Box(-100.0, 100.0, (2,), float32)",
     ),
-    (give(observe=lambda: "here"), "not-in-space: 'here' is not in Box(-100.0, 100.0, (2,), float32): 'here' is no number"),
+    (
+        give(observe=lambda: "here"),
+        "not-in-space: 'here' is not in Box(-100.0, 100.0, (2,), float32): 'here' is no number",
+    ),
 ]
 
 
