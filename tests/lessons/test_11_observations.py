@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import functools
 import importlib
-import inspect
 import re
 import sys
 
@@ -25,12 +24,12 @@ from gymnasium import spaces  # noqa: E402
 from gymnasium.utils.env_checker import check_env, data_equivalence  # noqa: E402
 from gymnasium.vector import AutoresetMode, SyncVectorEnv  # noqa: E402
 from gymnasium.vector.utils import batch_space, concatenate, create_empty_array, iterate  # noqa: E402
-from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test  # noqa: E402
+from pettingzoo.test import parallel_api_test  # noqa: E402
 
-from netmq_example.envs import UnityAECEnv, UnityParallelEnv  # noqa: E402
+from netmq_example.envs import UnityParallelEnv  # noqa: E402
 from netmq_example.messages import Message, MessageError  # noqa: E402
-from netmq_example.scene.scene import Agent, SceneSimulator  # noqa: E402
 from netmq_example.wire import records, trees  # noqa: E402
+from netmq_example.wire.records import Record, Section  # noqa: E402
 
 KEY = "11_observations"
 sys.path.append(str(ROOT / "python" / KEY))
@@ -92,14 +91,14 @@ def talk(kind, start, client_command, count=3):
             said.append(router.recv_multipart()[1:])
 
         def record(id, order, row=b"", options=b"", count=1):
-            orders, rows = [order] * count, [row] * count
-            ask(records.Record(records.ASKS, id, records.seeds([7] * count), orders, rows, options=options))
+            section = Section(0, records.seeds([7] * count), bytes([order]) * count, values=row * count)
+            ask(Record(records.ASKS, id, [section], said=options))
 
         def info(id, value):
             ask(Message("info", id, {}, [trees.array_of(trees.write(value))]))
 
         router.send_multipart([peer, *Message("welcome").frames()])
-        record(1, records.RESET, options=trees.write({"agents": ["agent"], "options": {"any": [1, "x"]}}))
+        record(1, records.RESET, options=trees.write({"any": [1, "x"]}))
         action = trees.write({"push": np.array([0.3, -1], np.float32), "boost": 1})
         for id in [*range(2, 2 + count), 1 + count]:
             record(id, records.STEP, action)
@@ -110,7 +109,7 @@ def talk(kind, start, client_command, count=3):
         ask(Message("jump", 7 + count))
         record(8 + count, records.STEP, b"{")
         record(9 + count, records.STEP, action, count=2)
-        for at, options in enumerate((trees.write({"agents": ["bus"], "options": {}}), trees.write([]), b"")):
+        for at, options in enumerate((trees.write(5), trees.write([]), b"x")):
             record(10 + count + at, records.RESET, options=options)
         ask(Message("close", 50))
         assert client.wait() == 0, client.output
@@ -167,113 +166,10 @@ def test_a_camera_sensor_sees_the_scene_upright(make, launch):
         seen, *_ = env.step({"push": np.array([0.5, 1], np.float32), "boost": 1})
 
 
-# A lost one
-
-
-def test_a_killed_simulator_ends_the_episode_and_the_next_reset_starts_another(make, launch):
-    env = make(launch=launch("csharp"), **SPACES)
-    seen, _ = env.reset(seed=7)
-    process = env.unwrapped.agents.simulators.process
-    process.kill()
-    process.wait()
-    last, *said = env.step(collector.policy(seen))
-    assert said == [0, False, True, {"env": [], "agent": [], "lost": "the simulator is gone"}]
-    assert all(same(last[key], seen[key]) for key in seen)
-    again, _ = env.reset(seed=7)
-    assert all(same(again[key], seen[key]) for key in seen)
-
-
 def test_a_game_that_is_not_there_is_named(make, tmp_path):
     """Which endings a build has, a test of lesson 10 knows."""
     with pytest.raises(FileNotFoundError, match=r"no game at .*NoGame"):
         make(file_name=str(tmp_path / "NoGame"), **SPACES)
-
-
-# Several agents, and agents that do what they are told: tests/lessons/checks/World.cs
-
-
-@pytest.fixture(scope="module")
-def world(checks):
-    """The words that launch a scene with the agents a, b and c, each of which does what its action says."""
-    return ["dotnet", checks, "observations", "world"]
-
-
-TOLD = spaces.Text(40, min_length=0, charset="abcdefghijklmnopqrstuvwxyz0123456789. ")
-WHAT = spaces.Dict(ticks=spaces.Discrete(1000), value=spaces.Box(-9, 9, (2,), np.float32), said=spaces.Sequence(TOLD))
-
-
-def told(names="ab", action=TOLD, **where):
-    return {
-        "env_name": "World",
-        "observation_spaces": dict.fromkeys(names, WHAT),
-        "action_spaces": dict.fromkeys(names, action),
-        **where,
-    }
-
-
-def test_pettingzoos_tests_find_nothing(make, world):
-    # A random word of letters can be one that an agent obeys.
-    action = spaces.Text(40, min_length=0, charset="0123456789. ")
-    env = make(UnityParallelEnv, launch=world, **told(action=action))
-    parallel_api_test(env, num_cycles=10)
-    assert env.observation_space("a") is env.observation_space("a")
-    # PettingZoo 1.24 decides by itself how many.
-    cycles = {"num_cycles": 3} if "num_cycles" in inspect.signature(parallel_seed_test).parameters else {}
-    # PettingZoo 1.24 looks into every Dict for a mask of actions.
-    if cycles:
-        api_test(make(UnityAECEnv, launch=world, **told(action=action)), num_cycles=10)
-    parallel_seed_test(lambda: make(UnityParallelEnv, launch=world, **told("a", action)), **cycles)
-
-
-def test_a_step_waits_for_all_who_act(make, world):
-    """Agent b takes three ticks for a step, the others one."""
-    env = make(UnityParallelEnv, launch=world, **told("abc"))
-    seen, infos = env.reset(seed=1)
-    assert list(seen) == list(infos) == ["a", "b", "c"]
-    seen, rewards, *_ = env.step({"a": "reward 1.5", "b": "", "c": ""})
-    assert [seen[name]["ticks"] for name in "abc"] == [3, 3, 3]
-    assert rewards == {"a": 1.5, "b": 0, "c": 0}
-    env.agents = ["a"]
-    assert env.step({"a": ""})[0]["a"]["ticks"] == 4
-
-
-def test_who_has_ended_has_no_more_ticks(make, world):
-    env = make(UnityParallelEnv, launch=world, **told())
-    env.reset(seed=1)
-    seen, rewards, ends, *_ = env.step({"a": "", "b": "until 2"})
-    assert (seen["a"]["ticks"], seen["b"]["ticks"], rewards["b"], ends["b"]) == (3, 2, 1, True)
-
-
-def test_agents_end_leave_and_come(make, world):
-    env = make(UnityParallelEnv, launch=world, **told())
-    env.reset(seed=1)
-    *_, ends, cuts, _ = env.step({"a": "terminate", "b": ""})
-    assert (ends, cuts, env.agents) == ({"a": True, "b": False}, {"a": False, "b": False}, ["b"])
-    *_, cuts, infos = env.step({"b": "leave"})
-    assert cuts == {"b": True} and infos["b"]["lost"] == "agent b has left the scene" and env.agents == []
-    with pytest.raises(MessageError, match="unknown-agent: no agent is named 'b'; there are: a, c"):
-        env.reset(seed=1)
-    env.scene.send_info("come b", "a")
-    seen, _ = env.reset(seed=1)
-    assert list(seen) == ["a", "b"], "late"
-    env.scene.send_info("come a", "b")
-    with pytest.raises(MessageError, match="two-agents: 2 agents are named 'a': each needs a name of its own"):
-        env.reset(seed=1)
-
-
-def test_one_after_the_other(make, world):
-    """The last observation can be asked for as often as one likes."""
-    env = make(UnityAECEnv, launch=world, **told())
-    env.reset(seed=1)
-    env.send_info("one", "a")
-    for step in range(1, 4):
-        for name in "ab":
-            assert env.agent_selection == name
-            seen = [env.last()[0] for _ in range(3)]
-            assert same(seen[0], seen[1]) and same(seen[1], seen[2])
-            env.step(f"reward {step}")
-        assert env.infos["a"]["agent"] == (["one"] if step == 1 else [])
-    assert env.last()[0]["ticks"] == 9
 
 
 # Many at once, as a vector
@@ -289,6 +185,17 @@ def policies(seen):
     return concatenate(collector.ACTION, actions, create_empty_array(collector.ACTION, 3))
 
 
+def spoken(infos):
+    """Without the empty lists that one alone has in each info, so that its user needs no `in`."""
+    found = {key: spoken(part) if key == "final_info" else part for key, part in infos.items()}
+    for key in {"env", "agent"} & found.keys():
+        mask = np.array([bool(said) for said in found.pop(key)])
+        found.pop(f"_{key}")
+        if mask.any():
+            found |= {key: np.where(mask, infos[key], None), f"_{key}": mask}
+    return found
+
+
 @pytest.mark.parametrize("mode", AutoresetMode)
 @pytest.mark.parametrize("kind", ["python", "csharp"])
 def test_a_vector_of_agents_is_what_gymnasium_makes_of_single_ones(kind, mode, make, launch):
@@ -302,7 +209,8 @@ def test_a_vector_of_agents_is_what_gymnasium_makes_of_single_ones(kind, mode, m
     assert (ours.observation_space, ours.action_space) == (theirs.observation_space, theirs.action_space)
 
     def alike(mine, other):
-        assert data_equivalence(mine, other, exact=True), (mine, other)
+        *most, infos = other
+        assert data_equivalence(mine, (*most, spoken(infos)), exact=True), (mine, other)
         return mine
 
     seen, _ = alike(ours.reset(seed=7), theirs.reset(seed=7))
@@ -320,47 +228,55 @@ def test_a_vector_of_agents_is_what_gymnasium_makes_of_single_ones(kind, mode, m
         alike(ours.reset(**again), theirs.reset(**again))
 
 
-def test_an_agent_of_a_vector_that_leaves_is_truncated_and_says_why(make, world):
-    told = {"observation_space": WHAT, "action_space": TOLD}
-    launched = [*world, "agent_0", "agent_1", "other"]
-    envs = make(vector, count=2, env_name="World", launch=launched, **told, max_episode_steps=4)
-    envs.reset(seed=1)
-    seen, rewards, *over, infos = envs.step(("reward 2", "leave"))
-    assert [one["ticks"] for one in iterate(envs.observation_space, seen)] == [1, 0], "what it has seen last"
-    assert rewards.tolist() == [2, 0] and [each.tolist() for each in over] == [[False] * 2, [False, True]]
-    assert infos["lost"].tolist() == [None, "it has left the scene"] and infos["agent"].tolist() == [[], []]
-    with pytest.raises(MessageError, match="unknown-agent: no agent is named 'agent_1'; there are: agent_0, other"):
-        envs.step(("", ""))
-    with pytest.raises(ValueError, match=r"^num_envs .*0"):
-        vector(count=0, env_name="World", launch=launched, **told)
+# Agents that do what they are told: tests/lessons/checks/World.cs
 
 
-def test_a_vector_whose_simulator_is_killed_is_truncated_and_begins_in_the_next_one(make, launch):
-    envs = make(vector, launch=launch("python", "--agents", "3"), **SPACES)
-    seen, _ = envs.reset(seed=7)
-    process = envs.unwrapped.areas.simulators.process
-    process.kill()
-    process.wait()
-    last, rewards, terminated, truncated, infos = envs.step(policies(seen))
-    assert data_equivalence(last, seen, exact=True)
-    assert (rewards.any(), terminated.any(), truncated.all()) == (False, False, True)
-    assert infos["lost"].tolist() == ["the simulator is gone"] * 3 and infos["env"].tolist() == [[]] * 3
-    again, *_ = envs.step(policies(seen))
-    assert not data_equivalence(again, seen, exact=True), "by the seeds that come next"
-    again, _ = envs.reset(seed=7)
-    assert data_equivalence(again, seen, exact=True)
+TOLD = spaces.Text(40, min_length=0, charset="abcdefghijklmnopqrstuvwxyz0123456789. ")
+WHAT = spaces.Dict(ticks=spaces.Discrete(1000), value=spaces.Box(-9, 9, (2,), np.float32), said=spaces.Sequence(TOLD))
+GIVEN = {"observation_space": WHAT, "action_space": TOLD}
+
+
+@pytest.fixture(scope="module")
+def world(checks):
+    """world("a", "b"): the words that launch a scene of such agents."""
+    return lambda *names: ["dotnet", checks, "observations", "world", *names]
+
+
+@pytest.mark.filterwarnings("error", "ignore:nothing writes")
+def test_pettingzoos_test_finds_nothing_by_attributes(make, world):
+    # A random word of letters can be one that an agent obeys.
+    action = spaces.Text(40, min_length=0, charset="0123456789. ")
+    words = {"observation_spaces": dict.fromkeys("ab", WHAT), "action_spaces": dict.fromkeys("ab", action)}
+    parallel_api_test(make(UnityParallelEnv, env_name="World", launch=world("a", "b", "c"), **words), num_cycles=10)
+
+
+def test_sixteen_are_each_what_one_alone_is(make, world):
+    """Also where their forms differ, and where C# says the space."""
+    one = make(env_name="World", launch=world("a"), **GIVEN)
+    batch = batch_space(WHAT, 16)
+    words = ["", "say x", "say x y", "value 3", "", "value 4", *[""] * 10]
+    turns = [words, [""] * 16, ["say z"] * 16, words[::-1]]
+    for name in ("a", "sure"):
+        envs = make(vector, count=16, env_name="World", launch=world(*[name] * 16), **(GIVEN if name == "a" else {}))
+        assert envs.single_observation_space == WHAT and envs.single_action_space == TOLD
+        seen = [list(iterate(batch, envs.reset(seed=1)[0]))]
+        seen += [list(iterate(batch, envs.step(tuple(turn))[0])) for turn in turns]
+        for agent in range(16):
+            alone = [one.reset(seed=1)[0], *(one.step(turn[agent])[0] for turn in turns)]
+            assert all(same(mine[agent], its) for mine, its in zip(seen, alone, strict=True)), (name, agent)
+
+
+def test_spaces_of_attributes_that_csharp_says_may_not_be_said_otherwise(make, world):
+    other = spaces.Dict({**WHAT.spaces, "ticks": spaces.Discrete(9)})
+    with pytest.raises(MessageError, match=r"^wrong-scene: the observation of sure is .* here, at \['ticks'\]$"):
+        make(env_name="World", launch=world("sure"), observation_space=other)
+    with pytest.raises(MessageError, match=r"^wrong-scene: nobody says what the observation of a is: "):
+        make(env_name="World", launch=world("a"))
 
 
 @pytest.fixture(scope="module")
 def one_world(world):
-    env = gymnasium.make(
-        "NetMQExample/Unity-v0",
-        env_name="World",
-        agent_name="a",
-        launch=world,
-        observation_space=WHAT,
-        action_space=TOLD,
-    )
+    env = gymnasium.make("NetMQExample/Unity-v0", env_name="World", agent_name="a", launch=world("a", "b"), **GIVEN)
     yield env
     env.close()
 
@@ -372,61 +288,19 @@ def alone(one_world):
     return one_world
 
 
-def test_reset_clears_rewards_ends_and_infos(alone):
+def test_what_is_said_and_earned_between_two_steps_is_told_once_or_forgotten_at_the_reset(alone):
+    send = alone.unwrapped.send_info
+    for word in ("reward 1", "all 7", "reward 2"):
+        send(word, "a")
+    assert [alone.step("")[1] for _ in range(2)] == [9, 0]
     for what, ends in (("terminate", (True, False)), ("truncate", (False, True)), ("info over", (False, False))):
-        alone.unwrapped.send_info("reward 5", "a")
-        alone.unwrapped.send_info(what, "a")
+        send("reward 5", "a")
+        send(what, "a")
         alone.reset(seed=1)
         _, reward, *none, info = alone.step("")
         assert (reward, none, info) == (0, [False, False], {"env": [], "agent": []})
         assert alone.step(what)[2:4] == ends
         alone.reset()
-
-
-def test_a_seed_reaches_those_whom_python_does_not_ask(alone):
-    """A scripted opponent draws its place, too."""
-    drawn = []
-    for seed in (5, 6, 5):
-        alone.reset(seed=seed)
-        drawn += alone.step("draw c")[-1]["agent"]
-    assert drawn[0] == drawn[2] != drawn[1]
-    one, other = Agent("a"), Agent("c")
-    options = trees.write({"agents": ["a"], "options": {"x": 1}})
-    reset = records.Record(records.ASKS, 1, records.seeds([5]), [records.RESET], [b""], options=options)
-    SceneSimulator("World", 0.5, [one, other]).do(reset)
-    assert (other.rng, other.options) == (one.rng, {"x": 1}), "and in Python"
-
-
-def test_rewards_add_up_until_they_are_told(alone):
-    for told in ("reward 1", "reward 2"):
-        alone.unwrapped.send_info(told, "a")
-    assert alone.step("")[1] == 3
-    alone.unwrapped.send_info("reward 1", "a")
-    alone.unwrapped.send_info("all 7", "a")
-    assert [alone.step("")[1] for _ in range(2)] == [7, 0]
-
-
-def test_infos_go_both_ways(alone):
-    env = alone.unwrapped
-    info = {"a": [1, 2.5, None, True, {"b": "c"}], "array": np.arange(3, dtype=np.int32), "é": ()}
-    env.send_info(info, "a")
-    env.send_info("to the environment")
-    env.send_info(7, "b")
-    said = alone.step("info one")[-1]
-    assert said["env"] == ["heard to the environment"], "and what b heard is b's own"
-    heard, one = said["agent"]
-    assert same(heard, {"a": [1, 2.5, None, True, {"b": "c"}], "array": np.arange(3, dtype=np.int32), "é": []})
-    assert one == "one"
-    assert alone.step("")[-1] == {"env": [], "agent": []}, "once"
-    with pytest.raises(MessageError, match="unknown-agent: no agent is named 'bus'; there are: a, b, c"):
-        env.send_info(1, "bus")
-
-
-def test_options_and_seed_reach_the_agents(alone):
-    _, info = alone.reset(seed=3, options={"level": [1, {"x": "y"}]})
-    drawn = info["agent"][0]
-    assert same(info["agent"][1], {"level": [1, {"x": "y"}]})
-    assert alone.reset(seed=3)[1]["agent"][0] == drawn != alone.reset(seed=4)[1]["agent"][0]
 
 
 def test_observations_are_copies_and_begin_with_nothing(alone):
@@ -467,6 +341,6 @@ def test_what_is_wrong_is_one_clear_line_and_the_next_episode_is_fine(what, said
 
 
 def test_an_action_that_is_not_in_its_space_is_not_sent(alone):
-    with pytest.raises(MessageError, match="not-in-space: action of a: str 'NO' is not in Text"):
+    with pytest.raises(ValueError, match=r"^action 'NO' is not in Text\("):
         alone.unwrapped.step("NO")
     assert alone.step("")[0]["ticks"] == 1

@@ -5,7 +5,7 @@
 //     row           each line has a reset, and then locators and values in turn, in hexadecimal digits; printed is the
 //                   answer of a simulator whose only agent, it's, sees them
 //     attributes    what is seen of some classes, line by line, and what is wrong with others
-//     world [NAME …] --endpoint E    simulates agents that do what they are told: a, b and c, or those
+//     world NAME … --endpoint E       simulates agents of these names, which do what they are told
 using System;
 using System.Linq;
 using System.Text;

@@ -1,4 +1,5 @@
-// A scene without an engine, whose agents do what their action says, or what an info says: "terminate", "reward 1.5".
+// A scene without an engine, whose agents see by attributes, and do what their action says: "say one", "value 1".
+// One whose name begins with sure has spaces in C#.
 using System;
 using System.Collections.Generic;
 using System.Globalization;
@@ -14,63 +15,49 @@ namespace NetMQExample.Tests
         [Obs("a@.value")] public object Number { get; set; }
     }
 
-    internal sealed class World
+    internal static class World
     {
-        public static readonly List<IAgent> Agents = new();
         public static readonly List<Source> Others = new();
 
         public static void Run(string endpoint, IEnumerable<string> names)
         {
-            Agents.AddRange(names.DefaultIfEmpty("a b c").SelectMany(name => name.Split(' '))
-                .Select(name => new Told(name)));
-            var simulator = new SceneSimulator("World", 0.5, Agents, sensors: Others);
-            simulator.OnInfo += info => simulator.SendInfo($"heard {info}");
+            var agents = names.Select(name => new Told(name)).ToArray();
             using var client = new EnvironmentClient(endpoint, TimeSpan.FromSeconds(20), Console.WriteLine);
-            client.Run(simulator, 0, answer => answer());
+            client.Run(new SceneSimulator("World", 0.5, agents, sensors: Others), 0, answer => answer());
         }
     }
 
     internal sealed class Told : PlainAgent
     {
-        private static readonly char[] Blank = { ' ' };
+        private static readonly GymSpace Words = GymSpace.Text(40, 0, "abcdefghijklmnopqrstuvwxyz0123456789. ");
 
+        private readonly bool sure;
         [Discrete] private int ticks;
-        private int last;
 
-        public Told(string name) : base(name, name == "b" ? 3 : 1)
-        {
-        }
+        public Told(string name) : base(name) => sure = name.StartsWith("sure", StringComparison.Ordinal);
+
+        public override GymSpace Action => sure ? Words : null;
+
+        public override GymSpace Observation => !sure ? null : GymSpace.Dict(("said", GymSpace.Sequence(Words)),
+            ("ticks", GymSpace.Discrete(1000)), ("value", GymSpace.Box(new double[] { -9, -9 }, new double[] { 9, 9 })));
 
         public override void OnReset()
         {
-            (ticks, last) = (0, 0);
-            World.Others.Clear();
-            if (Options.Count == 0 && Name != "a") return;
-            SendInfo(Rng.Next());
-            SendInfo(Options);
+            ticks = 0;
+            World.Others.RemoveAll(one => one.Names(Name));
         }
 
-        public override void OnTick(double dt)
-        {
-            ticks += dt == 0.5 ? 1 : 100;
-            if (last == 0 || ticks < last) return;
-            AddReward(1);
-            Terminate();
-        }
+        public override void OnTick(double dt) => ticks++;
 
-        public override void OnInfo(object info)
-        {
-            if (info is string text && text.Contains(' ')) OnAction(text);
-            else if (info is string word && (word == "terminate" || word == "truncate")) OnAction(word);
-            else SendInfo(info);
-        }
+        // As if its own Update did it, between two steps.
+        public override void OnInfo(object info) => OnAction(info);
 
         public override void OnAction(object action)
         {
-            var words = ((string)action).Split(Blank, StringSplitOptions.RemoveEmptyEntries);
+            var words = ((string)action).Split(' ', StringSplitOptions.RemoveEmptyEntries);
             var rest = words.Skip(1).ToArray();
             // These were seen for one step alone.
-            World.Others.Clear();
+            World.Others.RemoveAll(one => one.Names(Name));
             switch (words.FirstOrDefault())
             {
                 case "terminate": Terminate(); break;
@@ -78,12 +65,6 @@ namespace NetMQExample.Tests
                 case "reward": AddReward(Number(rest[0])); break;
                 case "all": SetReward(Number(rest[0])); break;
                 case "info": SendInfo(rest[0]); break;
-                case "draw":
-                    SendInfo(World.Agents.First(one => one.AgentState.Name == rest[0]).AgentState.Rng.Next());
-                    break;
-                case "until": last = (int)Number(rest[0]); break;
-                case "leave": World.Agents.Remove(this); break;
-                case "come": World.Agents.Insert(1, new Told(rest[0])); break;
                 case "say":
                     foreach (var word in rest) See(".said[]", () => word);
                     break;
