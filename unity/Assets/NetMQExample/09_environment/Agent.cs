@@ -34,6 +34,7 @@ namespace NetMQExample
         [SerializeField, Min(1), Tooltip("How many ticks one of its steps takes")] private int stepPeriod = 1;
 
         private AgentState state;
+        private PlainAgent plain;
 
         /// <summary>All that take part now. For the main thread.</summary>
         public static List<IAgent> All { get; } = new List<IAgent>();
@@ -66,10 +67,10 @@ namespace NetMQExample
         AgentState IAgent.AgentState => Own;
 
         /// <inheritdoc/>
-        public virtual GymSpace Observation => null;
+        public virtual GymSpace Observation => plain?.Observation;
 
         /// <inheritdoc/>
-        public virtual GymSpace Action => null;
+        public virtual GymSpace Action => plain?.Action;
 
         /// <summary>How many numbers the option "state" has, in which an episode can begin.</summary>
         protected virtual int StateSize => 0;
@@ -96,43 +97,48 @@ namespace NetMQExample
             {
                 if (state != null) return state;
                 Observed.Engine = UnityValues.Numbers;
-                state = MakeState();
+                plain = MakePlain(agentName);
+                state = plain?.AgentState ?? new AgentState(agentName, this) { StateSize = StateSize };
                 state.Period = stepPeriod;
-                state.StateSize = StateSize;
                 return state;
             }
         }
 
         /// <inheritdoc/>
-        public virtual void OnReset() { }
+        public virtual void OnReset() => plain?.OnReset();
 
         /// <inheritdoc/>
-        public virtual void OnAction(SpaceReader action) => OnAction(action.Value);
+        public virtual void OnAction(SpaceReader action)
+        {
+            if (plain == null) OnAction(action.Value);
+            else plain.OnAction(action);
+        }
 
         /// <inheritdoc/>
-        public virtual void OnAction(object action) { }
+        public virtual void OnAction(object action) => plain?.OnAction(action);
 
         /// <inheritdoc/>
-        public virtual void OnTick(double dt) { }
+        public virtual void OnTick(double dt) => plain?.OnTick(dt);
 
         /// <inheritdoc/>
-        public virtual void OnStepped() { }
+        public virtual void OnStepped() => plain?.OnStepped();
 
         /// <inheritdoc/>
-        public virtual void Observe(SpaceWriter seen) { }
+        public virtual void Observe(SpaceWriter seen) => plain?.Observe(seen);
 
         /// <inheritdoc/>
-        public virtual void OnInfo(object info) { }
+        public virtual void OnInfo(object info) => plain?.OnInfo(info);
 
         /// <inheritdoc/>
-        public virtual MessageArray Render() => null;
+        public virtual MessageArray Render() => plain?.Render();
 
         /// <summary>The action of a person who plays by hand, from Input: numbers (double[]), or any value of its
         /// space; null: it does nothing, which is zeros.</summary>
         public virtual object Heuristic() => null;
 
-        /// <summary>Reads the attributes of its class, once; for an agent that is one's own, its state.</summary>
-        protected virtual AgentState MakeState() => new AgentState(agentName, this);
+        /// <summary>Makes an agent without Unity, which does all that this class does not override; null: it does
+        /// nothing, and the attributes are those of this class.</summary>
+        protected virtual PlainAgent MakePlain(string name) => null;
 
         /// <summary>Adds to the reward that goes with the next answer.</summary>
         public void AddReward(double more) => Own.AddReward(more);

@@ -16,34 +16,7 @@ namespace NetMQExample
         private Transform cart, pole;
 
         /// <inheritdoc/>
-        protected override int StateSize => 4;
-
-        /// <inheritdoc/>
-        public override GymSpace Observation => world.Observation;
-
-        /// <inheritdoc/>
-        public override GymSpace Action => world.Action;
-
-        /// <inheritdoc/>
-        protected override AgentState MakeState() => (world = new CartPole(Name)).AgentState;
-
-        /// <inheritdoc/>
-        public override void OnReset() => world.OnReset();
-
-        /// <inheritdoc/>
-        public override void OnAction(SpaceReader action) => world.OnAction(action);
-
-        /// <inheritdoc/>
-        public override void OnTick(double dt) => world.OnTick(dt);
-
-        /// <inheritdoc/>
-        public override void OnStepped() => world.OnStepped();
-
-        /// <inheritdoc/>
-        public override void Observe(SpaceWriter seen) => world.Observe(seen);
-
-        /// <inheritdoc/>
-        public override MessageArray Render() => world.Render();
+        protected override PlainAgent MakePlain(string name) => world = new CartPole(name);
 
         /// <inheritdoc/>
         public override object Heuristic() =>

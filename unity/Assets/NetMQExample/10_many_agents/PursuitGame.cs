@@ -42,15 +42,7 @@ namespace NetMQExample
         {
             public PursuitPlayer Player { get; set; }
 
-            public override GymSpace Observation => Player.Observation;
-
-            public override GymSpace Action => Player.Action;
-
-            public override void OnReset() => Player.OnReset();
-
-            public override void OnAction(SpaceReader action) => Player.OnAction(action);
-
-            public override void Observe(SpaceWriter seen) => Player.Observe(seen);
+            protected override PlainAgent MakePlain(string name) => Player;
 
             public override object Heuristic()
             {
@@ -59,8 +51,6 @@ namespace NetMQExample
                 if (Player.Name != "hunter_0" || (x == 0 && y == 0)) return 0L;
                 return x != 0 ? x < 0 ? 1L : 2L : y < 0 ? 3L : 4L;
             }
-
-            protected override AgentState MakeState() => Player.AgentState;
 
             // One that is out is higher than the camera, which looks down. The world is 8 m wide.
             private void LateUpdate() => transform.position =

@@ -18,17 +18,14 @@ namespace NetMQExample
         private Transform body;
 
         /// <inheritdoc/>
-        protected override AgentState MakeState() => (car = new CoinCar(Name)).AgentState;
+        protected override PlainAgent MakePlain(string name) => car = new CoinCar(name);
 
         /// <inheritdoc/>
         public override void OnReset()
         {
-            car.OnReset();
+            base.OnReset();
             Show();
         }
-
-        /// <inheritdoc/>
-        public override void OnAction(object action) => car.OnAction(action);
 
         /// <inheritdoc/>
         public override object Heuristic() => new Dictionary<string, object>
@@ -40,7 +37,7 @@ namespace NetMQExample
         /// <inheritdoc/>
         public override void OnTick(double dt)
         {
-            car.OnTick(dt);
+            base.OnTick(dt);
             Show();
         }
 
