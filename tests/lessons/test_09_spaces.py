@@ -11,6 +11,7 @@ import struct
 import subprocess
 import tracemalloc
 import warnings
+from typing import Annotated
 
 import pytest
 
@@ -40,7 +41,7 @@ from gymnasium.wrappers import TimeLimit  # noqa: E402
 from netmq_example.envs import UnityGymEnv, UnityVectorEnv  # noqa: E402
 from netmq_example.errors import Refused  # noqa: E402
 from netmq_example.messages import Message, MessageError  # noqa: E402
-from netmq_example.scene import Agent, Scene, SceneSimulator  # noqa: E402
+from netmq_example.scene import Agent, Obs, Scene, SceneSimulator  # noqa: E402
 from netmq_example.wire import trees  # noqa: E402
 from netmq_example.wire.records import ASKS, RESET, STEP, Record, Section, read, seeds  # noqa: E402
 from netmq_example.wire.space_bytes import Bytes  # noqa: E402
@@ -140,8 +141,39 @@ class Echo(Agent):
         return self.said
 
 
+class Fields(Agent):
+    """One by attributes, which is told what it says."""
+
+    number: Annotated[float, Obs()] = 0.5
+    place: Annotated[object, Obs(".body.place")] = np.zeros(2, np.float32)
+    says: Annotated[str, Obs("@@.says")] = ""
+    mine: Annotated[str, Obs()] = ""
+    steps = 0
+
+    def __init__(self):
+        super().__init__("echo")
+
+    def on_reset(self):
+        self.says, self.steps = self.options.get("say", ""), 0
+
+    def on_action(self, action):
+        self.says = self.mine = action
+        self.steps += 1
+
+    def on_stepped(self):
+        self.number += 1
+        self.place = np.full(2, self.number, np.float32)
+        self.reward += 0.5 * self.steps
+        self.terminated = self.steps == 2
+        self.send_info(self.says)
+
+
 def simulator(name, *agents):
     return SceneSimulator(Scene(name, agents))
+
+
+def agent_of(name):
+    return Fields() if name == "fields" else Echo(BOTH[name])
 
 
 # Said to a single environment by nobody.
@@ -227,7 +259,7 @@ def test_what_is_done_in_a_space_is_seen_in_csharp(program, start):
 
 def python_says(name, count, *asks):
     """What RecordChecks.cs says to the last of these requests."""
-    answering = simulator(name, *(Echo(BOTH[name]) for _ in range(int(count))))
+    answering = simulator(name, *(agent_of(name) for _ in range(int(count))))
     answering.hello()
     for digits in asks:
         try:

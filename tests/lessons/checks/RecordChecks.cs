@@ -90,7 +90,8 @@ namespace NetMQExample.Tests
         }
 
         private static SceneSimulator Of(string name, int count) => new SceneSimulator(
-            name, 0.02, Enumerable.Range(0, count).Select(_ => new Echo(Spaces[name])).ToArray());
+            name, 0.02, Enumerable.Range(0, count)
+                .Select(_ => name == "fields" ? (IAgent)new Fields() : new Echo(Spaces[name])).ToArray());
 
         private static void Describe()
         {
@@ -162,6 +163,35 @@ namespace NetMQExample.Tests
         {
             if (numbers == null) seen.Set(said);
             else seen.Add(numbers);
+        }
+    }
+
+    /// <summary>One by attributes, which is told what it says.</summary>
+    internal sealed class Fields : PlainAgent
+    {
+        [Obs] private double number = 0.5;
+        [Obs(".body.place")] private float[] place = new float[2];
+        [Obs("@@.says")] private string says = "";
+        [Obs] private string mine = "";
+        private int steps;
+
+        public Fields() : base("echo") { }
+
+        public override void OnReset() => (says, steps) = ((string)Options.GetValueOrDefault("say") ?? "", 0);
+
+        public override void OnAction(object action)
+        {
+            says = mine = (string)action;
+            steps++;
+        }
+
+        public override void OnStepped()
+        {
+            number += 1;
+            place = new[] { (float)number, (float)number };
+            AddReward(0.5 * steps);
+            if (steps == 2) Terminate();
+            SendInfo(says);
         }
     }
 }
