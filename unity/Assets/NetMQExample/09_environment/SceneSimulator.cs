@@ -110,7 +110,7 @@ namespace NetMQExample
         /// <summary>Brings a scene in real time up to the clock; on any other it does nothing.</summary>
         public void CatchUp()
         {
-            if (!Waiting) Inside(() => Steps += CatchUpTo(0));
+            if (real.On && !Waiting) Inside(() => Steps += CatchUpTo(0));
         }
 
         /// <inheritdoc/>
