@@ -1,14 +1,14 @@
 """One step or reset of a trainer, split among its areas and joined again.
 
     exchange = Exchange(request, 2, parameters, playing)           exchange.parts: what each area is asked
-    part = exchange.again(0, answer)                               where somebody is over: how he begins anew, or None
+    part = exchange.again(0, answer)                               where an agent is over: how it begins anew, or None
     answer = exchange.joined({0: answer, 1: other})                one answer, for all
 
-A simulator gets steps and resets: no `last`, and no order to begin anew by itself. So an episode stays a seed and the
-actions after it. Here they are made of its answers: whose time is up is truncated, and who begins anew has two rows.
+Of several scenes none begins anew by itself: it gets a second request, a reset, and here the two answers become one.
+So an episode stays a seed and the actions after it. A single scene gets all as it is: who comes and goes while others
+begin anew, only the scene itself knows. An episode begins there when all begin at once.
 """
 
-import copy
 import functools
 import struct
 import uuid
@@ -22,6 +22,7 @@ from netmq_example.wire.records import (
     ANSWERS,
     ASKS,
     AUTORESET,
+    ENDED,
     FORM,
     HEAD,
     LAST,
@@ -31,6 +32,7 @@ from netmq_example.wire.records import (
     RESET,
     SCENE_CLOCK,
     SECTION,
+    SEEN,
     SIZES,
     STEP,
     TERMINATED,
@@ -42,8 +44,8 @@ from netmq_example.wire.records import (
 )
 
 OVER = TERMINATED | TRUNCATED
-# Every mark, and those that a simulator gets in place of them.
-TOLD = bytes(STEP if mark == LAST else mark for mark in range(256))
+# All marks but those of somebody who has come.
+NOT_NEW = bytes(mark for mark in range(256) if not mark & NEW)
 HERE = "a hub steps simulators as often as it must, and so "
 # Channels whose messages set something that stays set, and how their keys begin: with a text, or with a number.
 PARAMETERS = {
@@ -54,22 +56,27 @@ PARAMETERS = {
 
 
 class Playing:
-    """Who plays in a scene: when all of them reset at once, an episode begins, and what was before is over."""
+    """Who plays in a scene. When all of them reset at once, an episode begins, and what was before is over. That holds
+    for those that have left, too: in another simulator they may be there, as they were at the end of its last episode.
+    """
 
     def __init__(self) -> None:
         self.rows: set[tuple[int, int]] = set()
-        # The last ones of each kind.
-        self.marks: dict[int, bytes] = {}
 
     def begins(self, sections: list[Section]) -> bool:
         orders = [(one.kind, row, order) for one in sections for row, order in enumerate(one.marks) if order]
         reset = {(kind, row) for kind, row, order in orders if order == RESET}
         if not reset:
             return False
-        here = {(kind, row) for kind, row in self.rows if not self.marks.get(kind, bytes(row + 1))[row] & ABSENT}
-        begins = len(reset) == len(orders) and reset >= here
+        begins = len(reset) == len(orders) and reset >= self.rows
         self.rows = reset if begins else self.rows | reset
         return begins
+
+    def see(self, sections: list[Section]) -> None:
+        """Who has come plays as well."""
+        for one in sections:
+            if one.marks.translate(None, NOT_NEW):
+                self.rows.update((one.kind, row) for row, mark in enumerate(one.marks) if mark & NEW)
 
 
 class Exchange:
@@ -87,23 +94,21 @@ class Exchange:
         self.areas = areas
         self.playing = playing
         self.autoreset = bool(request.bits & AUTORESET)
-        self.last = request.has(LAST)
         self.before = b"".join(parameters.values())
         if request.exchange:
             parameters |= parameters_in(bytes(request.exchange))
         self.after = b"".join(parameters.values())
-        # Answers after which somebody begins anew, and the orders by which he does.
-        self.ended: dict[int, tuple[Record, list[bytes]]] = {}
+        # Answers of those scenes whose episode is over, and another one begins.
+        self.ended: dict[int, Record] = {}
         self.parts = self.whole() if areas == 1 else self.split()
 
     def whole(self) -> dict[int, Part]:
-        sections = [copy.copy(section) for section in self.request.sections]
+        sections, request = self.request.sections, self.request
         if not sections:
             raise MessageError("bad-record", "a request asks for one kind at least")
-        for section in sections:
-            section.marks = section.marks.translate(TOLD)
-        said = self.request.said if self.request.has(RESET) else b""
-        return {0: self.part(sections, self.playing.begins(sections), said, self.request.exchange, self.before)}
+        said = request.said if request.has(RESET) else b""
+        bits = request.bits & AUTORESET
+        return {0: self.part(sections, self.playing.begins(sections), said, request.exchange, self.before, bits)}
 
     def split(self) -> dict[int, Part]:
         areas, request = self.areas, self.request
@@ -118,51 +123,57 @@ class Exchange:
         for area, piece in enumerate(pieces.cut(section, ASKS)):
             order = piece.marks[0]
             if order or request.exchange:
-                piece.marks = piece.marks.translate(TOLD)
                 said = request.said if order == RESET else b""
                 parts[area] = self.part([piece], order == RESET, said, request.exchange, self.before)
         return parts
 
-    def part(self, sections: list[Section], begins: bool, said: Any, exchange: Any, parameters: bytes) -> Part:
+    def part(
+        self, sections: list[Section], begins: bool, said: Any, exchange: Any, known: bytes, bits: int = 0
+    ) -> Part:
         if begins and exchange is not None:
-            exchange = parameters + bytes(exchange)
-        frame = Record(ASKS, 0, sections, 0, said, exchange).frame()
+            exchange = known + bytes(exchange)
+        frame = Record(ASKS, 0, sections, bits, said, exchange).frame()
         return Part(frame, [(section.kind, len(section.marks)) for section in sections], begins)
 
     def again(self, area: int, answer: Record) -> Part | None:
-        """What this area is asked once more: its own resets, where the trainer has left them to the simulator."""
-        if area in self.ended or not (self.last or self.autoreset):
+        """What one of several scenes is asked once more: a reset that the trainer has left to the simulator."""
+        if area in self.ended or not self.autoreset or self.areas == 1:
             return None
-        asked = self.request.sections
-        if self.areas > 1:
-            (section,) = asked
-            seed = section.numbers[8 * area : 8 * area + 8]
-            asked = [Section(section.kind, seed, section.marks[area : area + 1])]
-        both = list(zip(answer.sections, asked, strict=True))
-        if self.last:
-            for section, theirs in both:
-                section.marks = bytes(map(at_its_end, section.marks, theirs.marks))
-        if not self.autoreset or not any(mark & OVER for section, _ in both for mark in section.marks):
+        mark, order = answer.sections[0].marks[0], self.request.sections[0].marks[area]
+        if order not in (STEP, LAST) or not (mark & OVER and mark & SEEN):
             return None
-        orders = [bytes(map(reset_of, section.marks, theirs.marks)) for section, theirs in both]
-        if not b"".join(orders).strip(b"\0"):
+        self.ended[area] = answer
+        return self.reset([self.section_of(area)])
+
+    def section_of(self, area: int) -> Section:
+        (section,) = self.request.sections
+        return Section(section.kind, section.numbers[8 * area : 8 * area + 8], bytes((RESET,)))
+
+    def anew(self, answer: Record) -> Part | None:
+        """How the episode of a single scene can be begun where all of them have just begun anew."""
+        self.playing.see(answer.sections)
+        ended = {(one.kind, row) for one in answer.sections if one.columns & ENDED for row in one.whose()}
+        if not ended or not ended >= self.playing.rows:
             return None
-        self.ended[area] = answer, orders
-        sections = [Section(one.kind, one.numbers, marks) for one, marks in zip(asked, orders, strict=True)]
-        begins = self.areas > 1 or self.playing.begins(sections)
-        return self.part(sections, begins, b"", None if self.request.exchange is None else b"", self.after)
+        rows = [
+            (one, bytes(RESET if (one.kind, row) in ended else NOTHING for row in range(len(one.marks))))
+            for one in self.request.sections
+        ]
+        return self.reset([Section(one.kind, one.numbers, marks) for one, marks in rows])
+
+    def reset(self, sections: list[Section]) -> Part:
+        return self.part(sections, True, b"", None if self.request.exchange is None else b"", self.after)
 
     def joined(self, answers: dict[int, Record]) -> Record:
         """MessageError says why the trainer gets none. Of an area that was not asked there is nothing."""
-        sections = self.of_all(answers) if self.areas > 1 else self.of_one(answers[0])
-        each = [*(before for before, _ in self.ended.values()), *answers.values()]
-        said = [one.said for one in each if one.said] if self.areas == 1 else []
-        exchange = [one.exchange for one in each]
+        each = [*self.ended.values(), *answers.values()]
+        one = self.areas == 1
+        exchange = [answer.exchange for answer in each]
         return Record(
             ANSWERS,
             self.request.id,
-            sections,
-            said=pieces.given([part for one in said for part in pieces.taken(one)]) if said[1:] else b"".join(said),
+            each[0].sections if one else self.of_all(answers),
+            said=each[0].said if one else b"",
             exchange=None if self.request.exchange is None or None in exchange else b"".join(exchange),
         )
 
@@ -173,37 +184,23 @@ class Exchange:
         for area in self.ended:
             begun(now[area])
         who = sorted(self.ended)
-        last = [said_in(self.ended[area][0]) for area in who]
+        last = [over(said_in(self.ended[area])) for area in who]
         return [pieces.join(kind, now), *([pieces.join(kind, last, who)] if who else [])]
-
-    def of_one(self, answer: Record) -> list[Section]:
-        self.playing.marks = {section.kind: section.marks for section in answer.sections}
-        if not self.ended:
-            return answer.sections
-        ((before, orders),) = self.ended.values()
-        now, ended = [], []
-        for first, then, resets in zip(before.sections, answer.sections, orders, strict=True):
-            one, other = pieces.cut(first, ANSWERS), pieces.cut(then, ANSWERS)
-            rows = [begun(b) if reset else later(a, b) for a, b, reset in zip(one, other, resets, strict=True)]
-            now.append(pieces.join(first.kind, rows))
-            who = [row for row, reset in enumerate(resets) if reset]
-            if who:
-                ended.append(pieces.join(first.kind, [one[row] for row in who], who))
-        return now + ended
 
 
 def plain_parts(section: Section) -> dict[int, Part]:
     """Of most steps, where all parts have one form."""
     steps = len(section.marks.translate(None, bytes((NOTHING, RESET))))
     size = len(section.values) // steps if steps else 0
-    step, reset = head_of(section.kind, STEP, size), head_of(section.kind, RESET, 0)
+    reset = head_of(section.kind, RESET, 0)
     numbers, values, rows = bytes(section.numbers), bytes(section.values), [(section.kind, 1)]
     parts, at = {}, 0
     for area, order in enumerate(section.marks):
         if order == RESET:
             parts[area] = Part(b"".join((reset[:48], numbers[8 * area : 8 * area + 8], reset[56:])), rows, True)
         elif order:
-            parts[area] = Part(b"".join((step, values[at : at + size], ZEROS[size % 8])), rows, False)
+            head = head_of(section.kind, order, size)
+            parts[area] = Part(b"".join((head, values[at : at + size], ZEROS[size % 8])), rows, False)
             at += size
     return parts
 
@@ -215,30 +212,17 @@ def head_of(kind: int, order: int, size: int) -> bytes:
     return head + bytes(8) + bytes((order,)) + ZEROS[1]
 
 
-def at_its_end(mark: int, order: int) -> int:
-    """Its time is up, unless it has left."""
-    return mark | TRUNCATED if order == LAST and not mark & ABSENT else mark
-
-
-def reset_of(mark: int, order: int) -> int:
-    return RESET if order in (STEP, LAST) and mark & OVER and not mark & ABSENT else NOTHING
+def over(piece: Section) -> Section:
+    """The last row of an episode, whoever has left with it."""
+    piece.marks = bytes((piece.marks[0] & ~ABSENT,))
+    return piece
 
 
 def begun(piece: Section) -> Section:
     """The first row of an episode that has begun in a step: nothing was earned in it."""
-    piece.marks = bytes((piece.marks[0] | NEW,))
+    piece.marks = bytes((piece.marks[0] | (NEW if piece.marks[0] & SEEN else 0),))
     piece.numbers = bytes(8)
     return piece
-
-
-def later(before: Section, after: Section) -> Section:
-    """Of somebody who was not asked while others began anew: he may have left, or come, just then."""
-    if not after.marks[0]:
-        return before
-    if after.marks[0] & ABSENT:
-        after.marks = bytes((after.marks[0] | before.marks[0] & OVER,))
-        after.numbers = before.numbers
-    return after
 
 
 def said_in(answer: Record) -> Section:

@@ -17,7 +17,7 @@ from typing import Any
 
 from netmq_example.fleet import pieces
 from netmq_example.messages import Array, Message, MessageError
-from netmq_example.wire.records import FORM, SIZES, Record
+from netmq_example.wire.records import AUTORESET, ENDED, FORM, SIZES, Record
 
 # The hub is never silent for so long. See Member.
 SILENCE_SECONDS = 3.0
@@ -89,6 +89,13 @@ class Episode:
             self.size -= size_of(self.requests.pop())
             by.done -= 1
         self.ready()
+
+    def anew(self, reset: Part) -> None:
+        """All that was before is over: whoever has done it has done the reset."""
+        self.requests = [reset]
+        self.size = size_of(reset)
+        for run in self.runs:
+            run.done = 1
 
     def differs(self, done: int, answer: Any) -> bool:
         """Whether a simulator that plays it again, and has come to what was seen last, sees something else."""
@@ -176,7 +183,8 @@ class NotTaken(MessageError):
 
 
 def values_in(answer: Record) -> list[Any]:
-    return [section.values for section in answer.sections]
+    """What is seen now."""
+    return [section.values for section in answer.sections if not section.columns & ENDED]
 
 
 def size_of(request: Any) -> int:
@@ -241,9 +249,10 @@ def fits(answer: Any, request: Any) -> bool:
     """Whether it answers this request, be it by a refusal."""
     if not isinstance(answer, Record):
         return answer.kind == "error" or (not isinstance(request, Part) and answer.kind == WORDS.get(request.kind))
-    if not isinstance(request, Part) or len(answer.sections) != len(request.rows):
+    if not isinstance(request, Part) or len(answer.sections) < len(request.rows):
         return False
-    for section, rows in zip(answer.sections, request.rows, strict=True):
+    for section, rows in zip(answer.sections, request.rows, strict=False):
         if (section.kind, len(section.marks)) != rows or section.columns & ~(FORM | SIZES):
             return False
-    return True
+    ended = answer.sections[len(request.rows) :]
+    return not ended or (bool(request.frame[1] & AUTORESET) and all(one.columns & ENDED for one in ended))

@@ -149,17 +149,17 @@ class Trainer:
 
     def ready(self, area: int) -> None:
         """An area has answered. After the last one the trainer gets all of it."""
-        answer = self.answer_of(area)
-        if self.exchange and isinstance(answer, Record) and (part := self.exchange.again(area, answer)):
-            self.ask(area, part)
-            return
+        episode = self.episodes[area]
+        if self.exchange and episode and isinstance(episode.answer, Record):
+            if part := self.exchange.again(area, episode.answer):
+                self.ask(area, part)
+                return
+            if self.areas == 1 and (part := self.exchange.anew(episode.answer)):
+                self.count["episodes"] += 1
+                episode.anew(part)
         self.left.discard(area)
         if not self.left:
             self.finish()
-
-    def answer_of(self, area: int) -> Any:
-        episode = self.episodes[area]
-        return episode.answer if episode else None
 
     def finish(self) -> None:
         answers = {area: episode.answer for area, episode in enumerate(self.episodes) if episode and episode.answer}
