@@ -1,7 +1,7 @@
-"""A simulator of the fleet: any of lessons 09 and 11, which also says of which build it is. In C#: FleetSimulator.cs.
+"""A simulator of the fleet: any of lessons 09 to 11, which also says of which build it is. In C#: FleetSimulator.cs.
 
     client = EnvironmentClient("tcp://127.0.0.1:5567", timeout=30)
-    client.run(FleetSimulator(Simulator(CartPole()), build="1"))
+    client.run(FleetSimulator(SceneSimulator(Scene("CartPole", [CartPole()])), build="1"))
 
 An episode that was begun elsewhere is played again here, and must go the same way. So the hub takes simulators of one
 build only; write another one wherever yours computes differently.
@@ -14,7 +14,7 @@ from netmq_example.scene.simulator import SimulatorBase
 
 
 class FleetSimulator(SimulatorDecorator):
-    """Around any simulator of one world."""
+    """Around any simulator."""
 
     def __init__(self, simulator: SimulatorBase, *, build: str = "1") -> None:
         super().__init__(simulator)

@@ -6,8 +6,7 @@
 
 A trainer's one request for all its areas is split into one for each, and their answers are joined. To a trainer the hub
 is one scene with an agent in each area, or with one area the scene that is there, whoever acts in it. To a simulator it
-is an environment, which never asks for more than an episode can be played again with: steps, and resets with a seed.
-So the hub itself begins those anew that have ended, and ends those whose time is up.
+is an environment, which never asks for more than an episode can be played again with.
 """
 
 import time
