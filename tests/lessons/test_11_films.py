@@ -23,7 +23,7 @@ np = pytest.importorskip("numpy", reason="lesson 11 needs numpy: kit.py run 11 i
 pytest.importorskip("pettingzoo", reason="lesson 11 needs pettingzoo: kit.py run 10 installs it")
 
 from netmq_example.envs import UnityAECEnv, UnityGymEnv, UnityParallelEnv, UnityVectorEnv, rendering  # noqa: E402
-from netmq_example.scene.scene import Agent, Obs, SceneSimulator  # noqa: E402
+from netmq_example.scene import Agent, Obs, Scene, SceneSimulator  # noqa: E402
 from tests.lessons.test_12_films import Game  # noqa: E402
 from tests.lessons.test_12_video import shown  # noqa: E402
 
@@ -46,7 +46,7 @@ def place(picture):
 def words(netmq, console):
     """The words for tests/lessons/checks/Looker.cs and a recorder in the player."""
     kit = ROOT / "unity/Assets/NetMQExample"
-    files = [kit / "11_observations/GymManager.cs", kit / "12_video/ViewRecorder.cs"]
+    files = [kit / "09_environment/GymManager.cs", kit / "12_video/ViewRecorder.cs"]
     words = [sys.executable, ROOT / "kit.py", "play", ROOT / "tests/lessons/checks/Looker.cs", *files]
     return [*map(str, words), "--envName", "Look"]
 
@@ -70,7 +70,7 @@ def test_a_script_of_gymize_films_a_game_and_its_play_ends_with_it(words, start,
     assert films == {"": str(tmp_path / "all.gif"), "front": str(tmp_path / "front.gif")}
     for path in films.values():
         pictures, times = shown(path)
-        assert times == [100] * 7, "a tick is 0.1 s"
+        assert times == [20] * 7, "a tick is 0.02 s"
         assert pictures[0].shape == (240, 320, 3)
         places = [place(picture) for picture in pictures]
         assert sorted(set(places)) == places, "to the right with each step"
@@ -83,7 +83,7 @@ def test_a_script_of_gymize_films_a_game_and_its_play_ends_with_it(words, start,
 
 
 def test_a_recorder_that_was_given_no_camera_has_the_main_one(words):
-    where = {"env_name": "Look", "agent_name": "alone", "launch": [*words, "--agentName", "alone"], "wait": 300}
+    where = {"env_name": "Look", "launch": [*words, "--agentName", "alone"], "wait": 300}
     with gymnasium.make(UNITY, render_mode="rgb_array", views=["", "Main Camera"], **where, **ONE) as env:
         env.reset()
         first, second = env.unwrapped.render_all().values()
@@ -130,12 +130,12 @@ def show(counter):
 @pytest.fixture
 def make(counter, show, inside, make):
     """An environment of that scene, whose views come as well."""
-    socket = inside(SceneSimulator("Count", 0.1, [counter])).socket
+    socket = inside(SceneSimulator(Scene("Count", [counter], 0.1))).socket
 
     def made(kind=UnityGymEnv, shows=True, **words):
         endpoint = steady_endpoint()
         where = {"env_name": "Count", "socket": socket, "view_endpoint": endpoint}
-        env = make(kind, **{**where, **(ONE if kind is UnityGymEnv else MANY), **words})
+        env = make(kind, **{**where, **(ONE if kind in (UnityGymEnv, UnityVectorEnv) else MANY), **words})
         if shows:
             show(endpoint)
         return env
@@ -162,6 +162,39 @@ def test_a_picture_is_of_now_as_gymnasiums_wrappers_want_it(make):
     assert sizes == {"front": (12, 16, 3), "": (12, 16, 3)}
     env.unwrapped.end_render()
     assert steps_of([env.render()]) == [3]
+
+
+@pytest.mark.parametrize("kind", [UnityGymEnv, UnityVectorEnv, UnityParallelEnv])
+def test_what_the_scene_draws_itself_is_its_picture_and_needs_no_view(kind, counter, make, monkeypatch):
+    """Not even Pillow, nor the port for views: libraries always ask for rgb_array."""
+    env = make(kind, shows=False, render_mode="rgb_array", view_endpoint="nonsense")
+    monkeypatch.setitem(sys.modules, "netmq_example.video.films", None)
+    counter.render = lambda: np.full((2, 4, 3), counter.steps, np.uint8)
+    env.reset()
+    env.step({UnityParallelEnv: {"agent": 1}, UnityVectorEnv: [1]}.get(kind, 1))
+    seen = env.render()
+    if kind is UnityVectorEnv:
+        (seen,) = seen
+    assert seen.tolist() == [[[1] * 3] * 4] * 2
+    assert env.renderer is None
+    env.close()
+    env.draws = False
+    with pytest.raises(ValueError, match=r"^this environment is closed"):
+        env.render()
+
+
+def test_each_agent_of_a_vector_has_its_picture_and_who_is_away_a_black_one(inside, make):
+    counters = [Counter() for _ in range(3)]
+    for number, one in enumerate(counters):
+        one.render = lambda number=number: np.full((2, 4, 3), 10 + number, np.uint8)
+    scene = Scene("Count", counters, 0.1)
+    env = make(UnityVectorEnv, socket=inside(SceneSimulator(scene)).socket, num_envs=3, render_mode="rgb_array")
+    env.reset()
+    scene.remove(counters[1])
+    assert [seen[0, 0, 0] for seen in env.render()] == [10, 0, 12]
+    single = make(socket=inside(SceneSimulator(scene)).socket, agent_name="agent_2", render_mode="rgb_array")
+    single.reset()
+    assert single.render()[0, 0, 0] == 12
 
 
 def test_a_list_has_each_picture_of_an_episode_or_since_it_was_begun_once(make):
@@ -191,7 +224,7 @@ def test_a_list_has_each_picture_of_an_episode_or_since_it_was_begun_once(make):
     env.end_render()
 
 
-@pytest.mark.parametrize("kind", [UnityGymEnv, UnityParallelEnv, UnityAECEnv])
+@pytest.mark.parametrize("kind", [UnityGymEnv, UnityVectorEnv, UnityParallelEnv, UnityAECEnv])
 def test_a_video_stays_until_the_next_one_and_takes_the_place_of_another_whole(kind, make, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "tmp").mkdir()
@@ -210,7 +243,7 @@ def test_a_video_stays_until_the_next_one_and_takes_the_place_of_another_whole(k
         env.render()
     env.begin_render()
     for _ in range(2):
-        env.step({"agent": 1} if kind is UnityParallelEnv else 1)
+        env.step({UnityParallelEnv: {"agent": 1}, UnityVectorEnv: [1]}.get(kind, 1))
     for _ in range(2):
         assert env.render_all({"": "map.gif", "front": "front.gif"})["front"] == str(tmp_path / "front.gif")
         for name in ("map.gif", "front.gif"):
@@ -305,8 +338,6 @@ def test_what_cannot_be_is_named_before_anybody_is_waited_for(make, monkeypatch)
     ):
         with pytest.raises(ValueError, match=why):
             make(**wrong)
-    with pytest.raises(ValueError, match=r"^render_mode takes None, not 'video': lesson 12 makes films"):
-        UnityVectorEnv(2, "Count", **ONE, render_mode="video")
     monkeypatch.setitem(sys.modules, "netmq_example.video.films", None)
     with pytest.raises(ModuleNotFoundError, match=r"^render_mode needs Pillow: pip install pillow"):
         make(render_mode="video")

@@ -41,8 +41,7 @@ class Actions:
         self.values = kind.action is None
         self.checks = checks or self.values
         self.bytes = Bytes(space)
-        # As values they have a form. Of most spaces it is always the same, and so are the sizes: then it is said once for
-        # all rows.
+        # As values they have a form. Where it is always the same, and of one size, it is said once for all rows.
         form = form_in(space) if self.values and self.bytes.size else None
         self.form = b"" if form is None else ENCODER.encode(form).encode()
         codec = self.bytes.codec

@@ -81,6 +81,15 @@ class Rendered:
         # Also when nobody calls close, and when no simulator comes.
         finalizer(self, self.renderer.close)
 
+    def viewed(self) -> "Renderer":
+        """With views, which "rgb_array" opens only where they are wanted."""
+        if not self.renderer:
+            if self.remote.simulators.connection.closed:
+                raise ValueError("this environment is closed")
+            self.open_views(self.remote)
+        assert self.renderer
+        return self.renderer
+
     def started(self, remote: Remote) -> Callable[[], object]:
         """Find a simulator, and return the function that ends it. If none comes, the views' port is free at once."""
         try:
@@ -117,10 +126,10 @@ class Rendered:
 
         The screen stays as it is. It is always the pictures that are so large.
         """
-        if gives_pictures(self.render_mode) and self.renderer:
+        if gives_pictures(self.render_mode):
             if fullscreen:
                 logger.warn("fullscreen changes nothing: begin_render leaves the screen as it is")
-            self.renderer.begin(screen_width, screen_height)
+            self.viewed().begin(screen_width, screen_height)
 
     def end_render(self) -> None:
         """Take no more pictures. Those that came stay until the next begin_render."""
@@ -133,9 +142,10 @@ class Rendered:
         A film whose path is None or missing is an MP4 in bytes, else a file, which replaces one of that name; its whole
         path is returned. What the path ends in decides what it becomes, see film_writer.py.
         """
-        if not gives_pictures(self.render_mode) or not self.renderer:
+        if not gives_pictures(self.render_mode):
             return {}
-        return self.renderer.all_of(self.renderer.views, video_paths or {}, self.metadata["render_fps"])
+        renderer = self.viewed()
+        return renderer.all_of(renderer.views, video_paths or {}, self.metadata["render_fps"])
 
     def render(self) -> Any:
         """The same of the first view alone; or the picture that the scene draws itself."""
@@ -145,12 +155,9 @@ class Rendered:
             pictures = self.drawn()
             if pictures is not None:
                 return self.own_picture(pictures)
-            if not self.renderer:
-                self.open_views(self.remote)
-        if not self.renderer:
-            return None
-        first = self.renderer.views[0]
-        return self.renderer.all_of([first], {}, self.metadata["render_fps"])[first]
+        renderer = self.viewed()
+        first = renderer.views[0]
+        return renderer.all_of([first], {}, self.metadata["render_fps"])[first]
 
     def filmed(self, begins: bool) -> None:
         """Called after each reset, which begins an episode, and after each step."""
