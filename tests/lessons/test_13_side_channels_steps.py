@@ -120,22 +120,28 @@ def test_what_was_said_to_a_lost_simulator_is_said_to_the_next_one(moon):
     assert env.reset(seed=1)[0] == 3.5
 
 
-def test_many_agents_carry_them_as_well(moon, tmp_path):
+@pytest.mark.parametrize("kind", ["UnityVectorEnv", "UnityParallelEnv", "UnityAECEnv"])
+def test_many_agents_carry_them_as_well(kind, moon, tmp_path):
     pytest.importorskip("pettingzoo", reason="lesson 10 needs pettingzoo: kit.py run 10 installs it")
-    from netmq_example.envs import UnityParallelEnv, UnityVectorEnv
+    from netmq_example import envs
 
+    count = {"num_envs": 2} if kind == "UnityVectorEnv" else {}
     words = PYTHON, tmp_path / "moon.py", "--count", "2"
-    env, parameters, stats, said = moon(*words, kind=UnityVectorEnv, num_envs=2)
+    env, parameters, stats, said = moon(*words, kind=getattr(envs, kind), **count)
     parameters.set_float_parameter("gravity", 1.5)
-    assert env.reset(seed=1)[0].tolist() == [[1.5], [1.5]]
-    env.step(env.action_space.dtype.type([3, 5]))
+    seen = env.reset(seed=1)
+    if kind == "UnityVectorEnv":
+        assert seen[0].tolist() == [[1.5], [1.5]]
+        env.step(env.action_space.dtype.type([3, 5]))
+    elif kind == "UnityParallelEnv":
+        assert seen[0] == {"a_0": 1.5, "a_1": 1.5}
+        env.step({"a_0": 3, "a_1": 5})
+    else:
+        for action in (3, 5):
+            assert env.last()[0] == 1.5
+            env.step(action)
     assert stats.get_and_reset_stats() == {"action": [(3.0, 2), (5.0, 2)]}
-    env, parameters, stats, others = moon(*words, kind=UnityParallelEnv)
-    parameters.set_float_parameter("gravity", 1.5)
-    assert env.reset(seed=1)[0] == {"a_0": 1.5, "a_1": 1.5}
-    env.step({"a_0": 3, "a_1": 5})
-    assert stats.get_and_reset_stats() == {"action": [(3.0, 2), (5.0, 2)]}
-    assert said == others == []
+    assert said == []
 
 
 def test_a_vector_that_gymnasium_makes_is_refused_with_the_cure():
@@ -147,13 +153,19 @@ def test_a_vector_that_gymnasium_makes_is_refused_with_the_cure():
         carry(envs, None)
 
 
-def test_a_simulator_without_side_channels_is_one_line_with_the_cure(moon, tmp_path, caplog):
-    env, parameters, _, _ = moon(PYTHON, tmp_path / "moon.py", "--without")
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+def test_a_simulator_without_side_channels_is_one_line_with_the_cure(kind, moon, checks, tmp_path, caplog):
+    words = (
+        (PYTHON, tmp_path / "moon.py", "--without") if kind == "python" else ("dotnet", checks, "sidechannels", "plain")
+    )
+    env, parameters, stats, said = moon(*words)
     for _ in range(2):
         assert env.reset(seed=1)[0] == 9.75
         parameters.set_float_parameter("gravity", 1.5)
+        assert env.step(1)[0] == 9.75
     (line,) = [line for line in caplog.messages if "side-channels" in line]
     assert line.endswith("; is the simulator in a SideChannelSimulator?")
+    assert (stats.get_and_reset_stats(), said) == ({}, [])
 
 
 def test_a_cut_exchange_is_a_line_and_the_step_is_done(moon, capfd):

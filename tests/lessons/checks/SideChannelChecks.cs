@@ -6,8 +6,8 @@
 //     half -                      what is made of half a character
 //     keep COUNT                  what is left of so many messages that nobody took
 //
-// And `settings EXCHANGE`, what Unity has then, `steps --endpoint ENDPOINT`, a simulator of lesson 09, and `pictures
-// ENDPOINT COUNT`.
+// And `settings EXCHANGE`, what Unity has then, `steps --endpoint ENDPOINT`, a simulator of lesson 09, `plain --endpoint
+// ENDPOINT`, the same without side channels, and `pictures ENDPOINT COUNT`.
 using System;
 using System.Collections.Generic;
 using System.Globalization;
@@ -23,7 +23,8 @@ namespace NetMQExample.Tests
         public static void Run(string[] words)
         {
             Program.WriteNumbersInGerman();
-            if (words.Length > 0 && words[0] == "steps") Steps(words[2]);
+            if (words.Length > 0 && words[0] == "steps") Steps(words[2], one => new SideChannelSimulator(one));
+            else if (words.Length > 0 && words[0] == "plain") Steps(words[2], one => one);
             else if (words.Length == 2 && words[0] == "settings") Settings(Hex.Bytes(words[1]));
             else if (words.Length == 3) Pictures(words[1], int.Parse(words[2]));
             else for (var line = Console.ReadLine(); line != null; line = Console.ReadLine())
@@ -159,11 +160,11 @@ namespace NetMQExample.Tests
                 FormattableString.Invariant($"{Time.timeScale} {Application.targetFrameRate} {Time.captureFramerate}"));
         }
 
-        private static void Steps(string endpoint)
+        private static void Steps(string endpoint, Func<SimulatorBase, SimulatorBase> carrying)
         {
             Academy.Instance.Begin((kind, values) => { });
             using var client = new EnvironmentClient(endpoint, TimeSpan.FromSeconds(20), Console.WriteLine);
-            client.Run(new SideChannelSimulator(new SceneSimulator("Moon", 0.02, new[] { new Moon() })), 0, answer => answer());
+            client.Run(carrying(new SceneSimulator("Moon", 0.02, new[] { new Moon() })), 0, answer => answer());
         }
 
         private static void Pictures(string endpoint, int count)
