@@ -23,7 +23,9 @@ with importing("gymnasium; kit.py run 11 installs it"):
     import gymnasium
     from collector import ACTION, play, seen_space
 
-    import netmq_example.envs.gym_env  # noqa: F401, it registers the environments.
+    # The first registers the environments; the second reads what agents with attributes see.
+    import netmq_example.envs.gym_env
+    import netmq_example.envs.sights  # noqa: F401
     from netmq_example.messages import LIMIT, MessageError
 
 EPISODES = 10

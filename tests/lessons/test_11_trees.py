@@ -23,12 +23,12 @@ from gymnasium import spaces  # noqa: E402
 
 from netmq_example import locator  # noqa: E402
 from netmq_example.envs import merge as fit  # noqa: E402
-from netmq_example.envs.merge import empty  # noqa: E402
 from netmq_example.locator import LocatorError  # noqa: E402
 from netmq_example.messages import MessageError  # noqa: E402
-from netmq_example.scene.agent import seen_by  # noqa: E402
+from netmq_example.scene.attributes import Seen  # noqa: E402
 from netmq_example.wire import records, trees  # noqa: E402
 from netmq_example.wire.records import Record, Section  # noqa: E402
+from netmq_example.wire.space_bytes import empty  # noqa: E402
 
 PAGE = ROOT / "docs" / "guide" / "11_locators.md"
 
@@ -89,7 +89,7 @@ def test_both_languages_write_the_golden_rows(program):
     lines = []
     for one in GOLDEN["rows"]:
         sources = [(locator.parse(text), meant(value)) for text, value in one["means"]]
-        pairs = [(text, value) for place, value in sources if (text := seen_by("it's", place))]
+        pairs = [(text, value) for place, value in sources if (text := Seen("", place).text_for("it's"))]
         pairs.sort(key=lambda pair: locator.ordinal(pair[0]))
         assert trees.write_pairs(pairs).hex() == one["data"], one["name"]
         words = [reset, *(data for place, value in sources for data in (place.text.encode(), trees.write(value)))]

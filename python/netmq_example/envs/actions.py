@@ -10,6 +10,7 @@ and dtype alone: the simulator refuses the rest before anything moves.
 """
 
 import functools
+import importlib
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -19,8 +20,6 @@ from gymnasium.spaces import Space
 from gymnasium.vector.utils import batch_space, iterate
 
 from netmq_example.envs.kinds import Kind
-from netmq_example.envs.merge import fitted
-from netmq_example.envs.plan import form_in
 from netmq_example.messages import ENCODER, MessageError
 from netmq_example.wire import trees
 from netmq_example.wire.records import FORM, Section, with_sizes
@@ -41,8 +40,11 @@ class Actions:
         self.values = kind.action is None
         self.checks = checks or self.values
         self.bytes = Bytes(space)
+        # By name: it is for those who have attributes.
+        plan: Any = importlib.import_module("netmq_example.envs.plan") if self.values else None
+        self.plan = plan
         # As values they have a form. Where it is always the same, and of one size, it is said once for all rows.
-        form = form_in(space) if self.values and self.bytes.size else None
+        form = plan.form_in(space) if plan and self.bytes.size else None
         self.form = b"" if form is None else ENCODER.encode(form).encode()
         codec = self.bytes.codec
         # One array alone, as most have, is put with fewer calls of numpy.
@@ -67,7 +69,7 @@ class Actions:
 
     def row(self, action: Any) -> bytes:
         if self.values and not self.form:
-            return trees.write(fitted(self.space, action, f"action of {self.name}"))
+            return trees.write(self.plan.fitted(self.space, action, f"action of {self.name}"))
         return self.bytes.write(action)
 
     def put_batch(self, section: Section, batch: Any, steps: Any = None) -> None:

@@ -34,13 +34,13 @@ from netmq_example.envs.actions import Actions
 from netmq_example.envs.common import MadeAnew
 from netmq_example.envs.infos import info_in, scene_infos
 from netmq_example.envs.kinds import Kind, SceneHello, agreed
-from netmq_example.envs.merge import empty
-from netmq_example.envs.observations import Sights, observations_of
+from netmq_example.envs.observations import observations_of
 from netmq_example.envs.remote import GONE, Remote, is_seed, refused_reset
 from netmq_example.envs.rendering import MODES, Rendered, check_words
 from netmq_example.errors import Lost
 from netmq_example.messages import EXACT, MessageError
 from netmq_example.wire.records import ABSENT, RESET, SEEN, STEP, TERMINATED, TRUNCATED, Record, Section, seeds
+from netmq_example.wire.space_bytes import empty
 
 REWARD = struct.Struct("<d")
 
@@ -115,7 +115,7 @@ class UnityGymEnv(MadeAnew, Rendered, gymnasium.Env[Any, Any]):
                 raise MessageError("unknown-agent", f"agent {self.agent_name} is not in the scene now")
             self.seen.take(section, begins={self.row})
             seen = self.seen.one(self.row)
-        if isinstance(self.seen, Sights) and not self.warned:
+        if not self.warned:
             self.warned = True
             self.seen.warn(self.row)
         self.begun = True

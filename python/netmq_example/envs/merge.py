@@ -1,6 +1,6 @@
 """Values from a scene become observations: each one is written where its locator says, and must fit its space.
 
-    observations = {"car": empty(space, "'car'@")}                     what is there before anything was seen
+    observations = {"car": empty(space, "'car'@")}                     what is there before anything was seen (wire)
     appended = set()                                                   for each message a new one
     merge(observations, parse("car@.speed(0) = $[1]"), [3, 4], appended)       speed: [4, 0]
     merge(observations, parse("car@.seen[]"), "a tree", appended)              seen: ["a tree"]; the first one clears it
@@ -25,12 +25,12 @@ from typing import Any
 import numpy as np
 from gymnasium import spaces
 from gymnasium.spaces import GraphInstance, Space
-from gymnasium.vector.utils import batch_space, create_empty_array, iterate
+from gymnasium.vector.utils import batch_space, iterate
 
 from netmq_example.json_text import DEEPEST
 from netmq_example.locator import APPEND, Locator, LocatorError, Path, Step, quoted, spelled
 from netmq_example.messages import MessageError
-from netmq_example.wire.space_bytes import together
+from netmq_example.wire.space_bytes import no_place, together
 from netmq_example.wire.spaces import exactly
 
 # So many items of a sequence, of whatever kind, are looked at one by one. A stack of numbers may be longer.
@@ -147,39 +147,6 @@ def cast(old: Any, value: Any) -> Any:
     array = np.array(exactly(value, old.dtype))
     # A single number is the same whether it is a number, or an array of one.
     return array.reshape(old.shape) if array.size == old.size == 1 else array
-
-
-def empty(space: Space[Any], where: str) -> Any:
-    """The value of a space before anything was seen, never a sample: zeros as near as it has them, "", (), no nodes."""
-    match space:
-        case spaces.Box():
-            return np.asarray(np.clip(np.zeros(space.shape, space.dtype), space.low, space.high))
-        case spaces.Discrete():
-            return space.start
-        case spaces.Text():
-            return space.character_list[0] * space.min_length if space.min_length else ""
-        case spaces.Dict():
-            return {key: empty(part, where + spelled((key,))) for key, part in space.items()}
-        case spaces.Tuple():
-            return tuple(empty(part, f"{where}[{at}]") for at, part in enumerate(space))
-        case spaces.Sequence():
-            empty(space.feature_space, f"{where}[]")
-            # Also where it is stacked: fitted stacks what is handed out.
-            return ()
-        case spaces.Graph():
-            nodes: Any = create_empty_array(space.node_space, 0)
-            return GraphInstance(nodes, None, None)
-        case spaces.MultiDiscrete():
-            return space.start.copy()
-        case spaces.MultiBinary():
-            return np.zeros(space.shape, space.dtype)
-        case spaces.OneOf():
-            return np.int64(0), empty(space.spaces[0], where)
-    raise no_place(space, where)
-
-
-def no_place(space: Any, where: str) -> ValueError:
-    return ValueError(f"{where}: {space} has no place in a message; Gymnasium's own spaces have")
 
 
 def fitted(space: Space[Any], value: Any, where: str) -> Any:

@@ -32,7 +32,7 @@ from netmq_example.envs.gym_env import check_space
 from netmq_example.envs.infos import info_in, scene_infos
 from netmq_example.envs.kinds import Kind, SceneHello, agreed
 from netmq_example.envs.merge import fitted
-from netmq_example.envs.observations import Rows, Sights, observations_of
+from netmq_example.envs.observations import observations_of
 from netmq_example.envs.remote import GONE, Remote, is_seed, refused_reset
 from netmq_example.envs.rendering import MODES, Rendered, check_words
 from netmq_example.errors import Lost
@@ -61,7 +61,7 @@ Outcome = tuple[Any, float, bool, bool, dict[str, Any]]
 class Team:
     """The agents of one kind that are asked for, by row."""
 
-    def __init__(self, kind: Kind, agents: dict[int, str], seen: Rows | Sights, actions: Actions, mixed: bool) -> None:
+    def __init__(self, kind: Kind, agents: dict[int, str], seen: Any, actions: Actions, mixed: bool) -> None:
         self.kind = kind
         self.agents = agents
         self.seen = seen
@@ -128,8 +128,7 @@ class UnityParallelEnv(MadeAnew, Rendered, ParallelEnv):  # type: ignore[misc, u
                     spaces[agent] = copy.deepcopy(agreed(kind, which, (given or {}).get(agent)))
             first = next(iter(agents.values()))
             seen = observations_of(self.observation_spaces[first], kind)
-            if isinstance(seen, Sights):
-                seen.use(agents, self.observation_spaces)
+            seen.use(agents, self.observation_spaces)
             team_actions = Actions(self.action_spaces[first], kind, checks=self.simulators.fleet)
             mixed = any(self.action_spaces[agent] != team_actions.space for agent in agents.values())
             teams.append(Team(kind, agents, seen, team_actions, mixed))
@@ -254,7 +253,7 @@ class UnityParallelEnv(MadeAnew, Rendered, ParallelEnv):  # type: ignore[misc, u
         self.warned = True
         for team in self.teams:
             for row, agent in team.agents.items():
-                if isinstance(team.seen, Sights) and agent in self.agents:
+                if agent in self.agents:
                     team.seen.warn(row)
 
     def own_picture(self, pictures: list[Any]) -> Any:

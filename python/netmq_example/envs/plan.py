@@ -26,11 +26,11 @@ import numpy as np
 from gymnasium import spaces
 from gymnasium.spaces import Space
 
-from netmq_example.envs.merge import MOST_ITEMS, empty, fitted, merge
+from netmq_example.envs.merge import MOST_ITEMS, fitted, merge
 from netmq_example.locator import Locator, LocatorError, Mapping, Path, parse, quoted, spelled
 from netmq_example.messages import DTYPES, MessageError
 from netmq_example.wire import trees
-from netmq_example.wire.space_bytes import codec_of
+from netmq_example.wire.space_bytes import codec_of, empty
 from netmq_example.wire.spaces import Codec
 from netmq_example.wire.trees import REASONS, Reader
 

@@ -23,7 +23,6 @@ import importlib
 import importlib.util
 import os
 from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 from gymnasium import logger
@@ -32,15 +31,11 @@ from netmq_example import arguments
 from netmq_example.envs.common import gives_pictures
 from netmq_example.envs.connection import FREE_PORT
 from netmq_example.envs.remote import Remote
-from netmq_example.envs.take import Take, film_writer
-from netmq_example.errors import Lost, Timeout
+from netmq_example.errors import Lost
 from netmq_example.finalizers import finalizer
 from netmq_example.messages import MessageError
-from netmq_example.video.game import ENDPOINT, side
 
 MODES = ["rgb_array", "rgb_array_list", "video"]
-# For a ViewRecorder, whose game is there already.
-WAIT_SECONDS = 10.0
 
 
 class Rendered:
@@ -49,7 +44,8 @@ class Rendered:
     render_mode: str | None
     metadata: dict[str, Any]
     remote: Remote
-    renderer: "Renderer | None" = None
+    # Of views.py.
+    renderer: Any = None
     views: tuple[Sequence[str], str] = (("",), "")
     # Whether the scene draws itself; None until it was asked.
     draws: bool | None = None
@@ -75,7 +71,9 @@ class Rendered:
     def open_views(self, remote: Remote) -> None:
         views, endpoint = self.views
         launch = remote.simulators.launch
-        self.renderer = Renderer(self.render_mode or "", views, endpoint or (FREE_PORT if launch else ENDPOINT))
+        # By name: a copy of a lesson that takes no views goes without.
+        module = importlib.import_module("netmq_example.envs.views")
+        self.renderer = module.Renderer(self.render_mode, views, endpoint or (FREE_PORT if launch else module.ENDPOINT))
         if launch:
             remote.simulators.views = self.renderer.films.game.endpoint
         # Also when nobody calls close, and when no simulator comes.
@@ -145,7 +143,8 @@ class Rendered:
         if not gives_pictures(self.render_mode):
             return {}
         renderer = self.viewed()
-        return renderer.all_of(renderer.views, video_paths or {}, self.metadata["render_fps"])
+        films: dict[str, Any] = renderer.all_of(renderer.views, video_paths or {}, self.metadata["render_fps"])
+        return films
 
     def render(self) -> Any:
         """The same of the first view alone; or the picture that the scene draws itself."""
@@ -169,131 +168,6 @@ class Rendered:
             self.renderer.close()
 
 
-class Renderer:
-    """The views of one environment. `views` are the names that its user gave."""
-
-    def __init__(self, mode: str, views: Sequence[str], endpoint: str) -> None:
-        self.films = films_at(endpoint)
-        self.films.start()
-        self.mode = mode
-        self.views = list(dict.fromkeys(views))
-        self.size = (0, 0)
-        self.takes = {name: Take() for name in self.views}
-        # The newest picture of each view in this episode.
-        self.newest: dict[str, Any] = {}
-        # A list is filled in every episode, as Gymnasium has it, until its user says when.
-        self.by_itself = self.recording = mode == "rgb_array_list"
-        self.moving = False
-
-    def begin(self, width: int, height: int) -> None:
-        sides = [side("screen_width", width), side("screen_height", height)]
-        there = self.there()
-        for view in self.names(there).values():
-            if sides[0] > there[view][0] or sides[1] > there[view][1]:
-                most = " x ".join(map(str, there[view]))
-                raise ValueError(f"{view} is at most {most}: set Width and Height of its ViewRecorder, or leave -1")
-        if self.mode == "video" and not importlib.util.find_spec("av"):
-            logger.warn("av is not here: render_all can write a .gif, and no MP4")
-        if self.size != (sides[0], sides[1]):
-            self.films.end_all()
-            self.size = (sides[0], sides[1])
-        self.clear()
-        self.by_itself = False
-        self.recording = self.mode != "rgb_array"
-        if self.moving and self.recording:
-            self.keep()
-
-    def end(self) -> None:
-        self.by_itself = self.recording = False
-
-    def moved(self, begins: bool) -> None:
-        self.moving = True
-        if begins:
-            self.newest.clear()
-        if begins and self.by_itself:
-            self.clear()
-        if self.recording:
-            self.keep()
-
-    def keep(self) -> None:
-        for name, pixels in self.look(self.views).items():
-            self.takes[name].add(pixels)
-
-    def all_of(self, names: Sequence[str], paths: Mapping[str, Any], fps: float) -> dict[str, Any]:
-        self.check_open()
-        unknown = [name for name in paths if name not in self.views]
-        if unknown:
-            raise ValueError(f"video_paths has the view {unknown[0]!r}, but views is {self.views}")
-        if self.mode == "rgb_array":
-            return self.look(names)
-        if self.mode == "rgb_array_list":
-            return {name: self.takes[name].taken() for name in names}
-        files = {name: film_path(paths.get(name)) for name in names}
-        for name in names:
-            if not self.takes[name].shapes:
-                raise ValueError(
-                    f"no picture of view {name!r} is there: call begin_render before the steps to be filmed"
-                )
-        return {name: self.takes[name].film(files[name], fps) for name in names}
-
-    def look(self, names: Sequence[str]) -> dict[str, Any]:
-        """A new picture of each. A film goes on when the game is gone, with the picture before, and a line says so."""
-        try:
-            self.newest.update(self.see(names))
-        except OSError as error:
-            if self.newest.keys() >= set(names):
-                self.films.trouble(f"trouble: {error}; the picture before is shown once more")
-            elif isinstance(error, Lost):
-                # It was that of the simulator before. The one that came in its place is waited for.
-                self.newest.update(self.see(names))
-            else:
-                raise
-        return {name: self.newest[name] for name in names}
-
-    def see(self, names: Sequence[str]) -> dict[str, Any]:
-        views = self.names(self.there())
-        for view in views.values():
-            # They stay begun until the game or the size is another one.
-            if view not in self.films.films or self.films.films[view].over:
-                self.films.begin_render(view, None, *self.size, fps=0)
-        pictures = self.films.look({views[name] for name in names})
-        return {name: pictures[views[name]] for name in names}
-
-    def there(self) -> dict[str, tuple[int, int]]:
-        """The game's views, and how large they are at most."""
-        self.check_open()
-        if not self.films.game.views and self.newest:
-            raise Lost("the game is gone")
-        try:
-            views: dict[str, tuple[int, int]] = self.films.game.views or self.films.wait(WAIT_SECONDS)
-            return views
-        except TimeoutError:
-            at = self.films.game.endpoint
-            cure = "add a ViewRecorder with this Endpoint, and a camera, to the scene"
-            raise Timeout(f"no view came to {at}: {cure}") from None
-
-    def names(self, there: Mapping[str, Any]) -> dict[str, str]:
-        """The game's names of the views."""
-        unknown = [name for name in self.views if name not in ("", *there)]
-        if unknown:
-            raise ValueError(f"there is no view {unknown[0]!r}; the game has: {', '.join(there)}")
-        return {name: name or next(iter(there)) for name in self.views}
-
-    def clear(self) -> None:
-        for take in self.takes.values():
-            take.clear()
-
-    def check_open(self) -> None:
-        if self.films.over.is_set():
-            raise ValueError("this environment is closed")
-
-    def close(self) -> None:
-        self.recording = False
-        self.films.close()
-        for take in self.takes.values():
-            take.file.close()
-
-
 def check_words(mode: Any, views: Any, render_fps: Any) -> None:
     """A mistake is named before anybody is waited for."""
     if mode not in (None, *MODES):
@@ -302,15 +176,3 @@ def check_words(mode: Any, views: Any, render_fps: Any) -> None:
         raise ValueError(f'views takes a list of names, such as ["", "front"], not {views!r:.80}')
     if render_fps is not None:
         arguments.number("render_fps", render_fps, least=0.01, most=1000)
-
-
-def films_at(endpoint: str) -> Any:
-    """Lesson 12's, whose Pillow nobody needs who has no render_mode."""
-    try:
-        return importlib.import_module("netmq_example.video.films").Films(endpoint)
-    except ModuleNotFoundError as error:
-        raise ModuleNotFoundError(f"render_mode needs Pillow: pip install pillow ({error})") from None
-
-
-def film_path(path: Any) -> Path | None:
-    return None if path is None else film_writer().film_path("video_paths", path)

@@ -13,11 +13,11 @@
 Without `observation` or `action` Python's side says which space it is. In C# it is Agent.cs.
 """
 
-from dataclasses import dataclass, replace
+import importlib
+from dataclasses import dataclass
 from typing import Any, Self, get_type_hints
 
 from netmq_example import arguments, check
-from netmq_example.locator import APPEND, Locator, LocatorError, ordinal, parse, quoted
 from netmq_example.scene.infos import Infos
 from netmq_example.wire.split_mix import Draws, draws
 
@@ -110,29 +110,15 @@ def over(agent: Agent) -> bool:
     return bool(agent.terminated or agent.truncated)
 
 
-def declared(kind: type[Agent], name: str) -> list[tuple[Locator, str]]:
-    """Locators, and the fields that go there; LocatorError names the field that is wrong."""
-    scope = parse(f"{quoted(name)}@")
+def marked(kind: type[Agent]) -> list[tuple[str, Obs]]:
+    """The fields that are seen."""
     hints = get_type_hints(kind, include_extras=True)
     marks = [(field, mark) for field, hint in hints.items() for mark in getattr(hint, "__metadata__", ())]
-    found: list[tuple[Locator, str]] = []
-    for field, mark in marks:
-        if not isinstance(mark, Obs):
-            continue
-        try:
-            locator = parse(mark.locator, field, scope)
-        except LocatorError as error:
-            raise LocatorError(f'{kind.__name__}.{field}, locator "{mark.locator}": {error}') from None
-        appends = any(mapping.destination[-1:] == (APPEND,) for mapping in locator.mappings)
-        for other, its_field in found:
-            if other == locator and not appends:
-                both = f"{kind.__name__}.{its_field} and {kind.__name__}.{field}"
-                raise LocatorError(f"{both} go to one place: {locator.text}")
-        found.append((locator, field))
-    return found
+    return [(field, mark) for field, mark in marks if isinstance(mark, Obs)]
 
 
-def seen_by(name: str, locator: Locator) -> str:
-    """The places in the observation of this agent, which is not named there: so all of a kind have one form."""
-    places = [replace(one, everyone=False, agents=(), root=True) for one in locator.mappings if one.names(name)]
-    return " & ".join(sorted(map(str, places), key=ordinal))
+def declared(kind: type[Agent], name: str) -> list[Any]:
+    """What is seen of it, see attributes.py; LocatorError names the field that is wrong."""
+    marks = marked(kind)
+    # By name: a copy of a lesson whose agents have no attributes goes without.
+    return importlib.import_module("netmq_example.scene.attributes").declared(kind, name, marks) if marks else []

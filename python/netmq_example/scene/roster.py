@@ -5,9 +5,8 @@ from collections.abc import Iterator
 from operator import is_
 from typing import Any
 
-from netmq_example.locator import Locator, ordinal
 from netmq_example.messages import MessageError
-from netmq_example.scene.agent import Agent, declared, seen_by
+from netmq_example.scene.agent import Agent, declared
 from netmq_example.scene.kind import Kind
 from netmq_example.scene.scene import Scene, check_agent
 
@@ -113,9 +112,9 @@ class Roster:
         """Nothing goes by attributes into what somebody else's code says."""
         in_code = {name for kind in self.kinds if kind.in_code for name in kind.names}
         for agent in self.scene.agents:
-            for locator, field in declared(type(agent), agent.name):
-                for name in sorted(in_code.intersection(explicit(locator))):
-                    where = f"{type(agent).__name__}.{field} goes into what {name} sees"
+            for one in declared(type(agent), agent.name):
+                for name in sorted(in_code & one.named()):
+                    where = f"{type(agent).__name__}.{one.field} goes into what {name} sees"
                     raise ValueError(f"{where}, whose own observe says that: leave out the one or the other")
         for kind in self.kinds:
             if kind.observation and not kind.in_code and not any(map(self.pairs, filter(None, kind.present))):
@@ -135,17 +134,14 @@ class Roster:
         sources = self.sources.get(id(agent))
         if sources is None:
             sources = self.sources[id(agent)] = [
-                (text, other, field)
+                (text, other, one.field)
                 for other in self.scene.agents
-                for locator, field in declared(type(other), other.name)
-                if (text := seen_by(agent.name, locator))
+                for one in declared(type(other), other.name)
+                if (text := one.text_for(agent.name))
             ]
-            sources.sort(key=lambda one: ordinal(one[0]))
+            # As C# sorts by StringComparer.Ordinal.
+            sources.sort(key=lambda one: one[0].encode("utf-16-be", "surrogatepass"))
         return [(text, getattr(other, field)) for text, other, field in sources]
-
-
-def explicit(locator: Locator) -> set[str]:
-    return {name for one in locator.mappings if not one.everyone for name in one.agents}
 
 
 def kind_of(number: int, base: str, members: list[Agent], first: int, at_most: int) -> Kind:

@@ -10,6 +10,7 @@ from typing import Annotated, Any
 
 import numpy as np
 
+import netmq_example.scene.attributes  # noqa: F401, a copy of this world needs it.
 from netmq_example.scene.agent import Agent, Obs
 
 FIELD_METRES = 10.0

@@ -1,0 +1,88 @@
+"""What agents with attributes see: rows of locators and values, as observations; observations.py has those in code.
+
+It needs gymnasium and numpy.
+"""
+
+import contextlib
+from collections.abc import Collection
+from typing import Any
+
+from gymnasium.spaces import Space
+
+from netmq_example.envs.observations import NOBODY, all_seen
+from netmq_example.envs.plan import Sight, Table, table_of
+from netmq_example.messages import MessageError
+from netmq_example.wire import trees
+from netmq_example.wire.records import ANSWERS, FORM, Section
+from netmq_example.wire.space_bytes import together
+
+
+class Sights:
+    """Observations that come as locators and values."""
+
+    def __init__(self, space: Space[Any], agents: tuple[str, ...]) -> None:
+        self.space = space
+        self.sights = [Sight(agent, space) for agent in agents]
+        self.tables: dict[bytes, Table | None] = {}
+        # The newest values of all, where they go to their places at once. The sights do not know of them yet.
+        self.table: Table | None = None
+        self.form = b""
+        self.values: Any = b""
+        # What was read last, until somebody takes it.
+        self.fresh: Any = None
+
+    def take(self, section: Section, begins: Collection[int] = NOBODY) -> None:
+        if section.columns & FORM and all_seen(section, len(self.sights)):
+            table = self.table_for(section.form)
+            # What does not fit is told by the sight that reads it.
+            with contextlib.suppress(MessageError):
+                if table:
+                    self.fresh = table.read(section.values, len(self.sights))
+                    self.table = table
+                    self.form = section.form
+                    self.values = section.values
+                    return
+        self.sync()
+        for agent, row in zip(section.whose(), section.rows(ANSWERS), strict=True):
+            if agent in begins:
+                self.sights[agent].forget()
+            if row is not None:
+                self.sights[agent].read(*((section.form, row) if section.columns & FORM else trees.parted(row)))
+
+    def use(self, agents: dict[int, str], spaces: dict[str, Space[Any]]) -> None:
+        """Each with a space of its own."""
+        self.sights = [
+            Sight(sight.name, spaces[agents[at]] if at in agents else self.space)
+            for at, sight in enumerate(self.sights)
+        ]
+
+    def table_for(self, form: bytes) -> Table | None:
+        if form not in self.tables:
+            if len(self.tables) >= trees.MOST_KEPT:
+                self.tables.clear()
+            self.tables[form] = table_of(self.sights[0].name, self.space, form)
+        return self.tables[form]
+
+    def sync(self) -> None:
+        """Tell the sights what came last."""
+        if self.table:
+            self.table = None
+            size = len(self.values) // len(self.sights)
+            for at, sight in enumerate(self.sights):
+                sight.forget()
+                sight.read(self.form, self.values[at * size : (at + 1) * size])
+
+    def batch(self) -> Any:
+        if self.table:
+            seen, self.fresh = self.fresh, None
+            return self.table.read(self.values, len(self.sights)) if seen is None else seen
+        return together(self.space, [sight.again() for sight in self.sights])
+
+    def one(self, agent: int) -> Any:
+        self.sync()
+        return self.sights[agent].again()
+
+    def warn(self, agent: int) -> None:
+        """Name what nothing of its last row writes."""
+        self.sync()
+        self.sights[agent].warn()

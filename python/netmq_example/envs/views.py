@@ -1,0 +1,157 @@
+"""The views of an environment's scene, which lesson 12's ViewRecorder sends: rendering.py says what becomes of them.
+
+It needs numpy and Pillow, and av for an MP4.
+"""
+
+import importlib
+import importlib.util
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from gymnasium import logger
+
+from netmq_example.envs.take import Take, film_writer
+from netmq_example.errors import Lost, Timeout
+from netmq_example.video.game import ENDPOINT, side
+
+__all__ = ["ENDPOINT", "Renderer"]
+# For a ViewRecorder, whose game is there already.
+WAIT_SECONDS = 10.0
+
+
+class Renderer:
+    """The views of one environment. `views` are the names that its user gave."""
+
+    def __init__(self, mode: str, views: Sequence[str], endpoint: str) -> None:
+        self.films = films_at(endpoint)
+        self.films.start()
+        self.mode = mode
+        self.views = list(dict.fromkeys(views))
+        self.size = (0, 0)
+        self.takes = {name: Take() for name in self.views}
+        # The newest picture of each view in this episode.
+        self.newest: dict[str, Any] = {}
+        # A list is filled in every episode, as Gymnasium has it, until its user says when.
+        self.by_itself = self.recording = mode == "rgb_array_list"
+        self.moving = False
+
+    def begin(self, width: int, height: int) -> None:
+        sides = [side("screen_width", width), side("screen_height", height)]
+        there = self.there()
+        for view in self.names(there).values():
+            if sides[0] > there[view][0] or sides[1] > there[view][1]:
+                most = " x ".join(map(str, there[view]))
+                raise ValueError(f"{view} is at most {most}: set Width and Height of its ViewRecorder, or leave -1")
+        if self.mode == "video" and not importlib.util.find_spec("av"):
+            logger.warn("av is not here: render_all can write a .gif, and no MP4")
+        if self.size != (sides[0], sides[1]):
+            self.films.end_all()
+            self.size = (sides[0], sides[1])
+        self.clear()
+        self.by_itself = False
+        self.recording = self.mode != "rgb_array"
+        if self.moving and self.recording:
+            self.keep()
+
+    def end(self) -> None:
+        self.by_itself = self.recording = False
+
+    def moved(self, begins: bool) -> None:
+        self.moving = True
+        if begins:
+            self.newest.clear()
+        if begins and self.by_itself:
+            self.clear()
+        if self.recording:
+            self.keep()
+
+    def keep(self) -> None:
+        for name, pixels in self.look(self.views).items():
+            self.takes[name].add(pixels)
+
+    def all_of(self, names: Sequence[str], paths: Mapping[str, Any], fps: float) -> dict[str, Any]:
+        self.check_open()
+        unknown = [name for name in paths if name not in self.views]
+        if unknown:
+            raise ValueError(f"video_paths has the view {unknown[0]!r}, but views is {self.views}")
+        if self.mode == "rgb_array":
+            return self.look(names)
+        if self.mode == "rgb_array_list":
+            return {name: self.takes[name].taken() for name in names}
+        files = {name: film_path(paths.get(name)) for name in names}
+        for name in names:
+            if not self.takes[name].shapes:
+                raise ValueError(
+                    f"no picture of view {name!r} is there: call begin_render before the steps to be filmed"
+                )
+        return {name: self.takes[name].film(files[name], fps) for name in names}
+
+    def look(self, names: Sequence[str]) -> dict[str, Any]:
+        """A new picture of each. A film goes on when the game is gone, with the picture before, and a line says so."""
+        try:
+            self.newest.update(self.see(names))
+        except OSError as error:
+            if self.newest.keys() >= set(names):
+                self.films.trouble(f"trouble: {error}; the picture before is shown once more")
+            elif isinstance(error, Lost):
+                # It was that of the simulator before. The one that came in its place is waited for.
+                self.newest.update(self.see(names))
+            else:
+                raise
+        return {name: self.newest[name] for name in names}
+
+    def see(self, names: Sequence[str]) -> dict[str, Any]:
+        views = self.names(self.there())
+        for view in views.values():
+            # They stay begun until the game or the size is another one.
+            if view not in self.films.films or self.films.films[view].over:
+                self.films.begin_render(view, None, *self.size, fps=0)
+        pictures = self.films.look({views[name] for name in names})
+        return {name: pictures[views[name]] for name in names}
+
+    def there(self) -> dict[str, tuple[int, int]]:
+        """The game's views, and how large they are at most."""
+        self.check_open()
+        if not self.films.game.views and self.newest:
+            raise Lost("the game is gone")
+        try:
+            views: dict[str, tuple[int, int]] = self.films.game.views or self.films.wait(WAIT_SECONDS)
+            return views
+        except TimeoutError:
+            at = self.films.game.endpoint
+            cure = "add a ViewRecorder with this Endpoint, and a camera, to the scene"
+            raise Timeout(f"no view came to {at}: {cure}") from None
+
+    def names(self, there: Mapping[str, Any]) -> dict[str, str]:
+        """The game's names of the views."""
+        unknown = [name for name in self.views if name not in ("", *there)]
+        if unknown:
+            raise ValueError(f"there is no view {unknown[0]!r}; the game has: {', '.join(there)}")
+        return {name: name or next(iter(there)) for name in self.views}
+
+    def clear(self) -> None:
+        for take in self.takes.values():
+            take.clear()
+
+    def check_open(self) -> None:
+        if self.films.over.is_set():
+            raise ValueError("this environment is closed")
+
+    def close(self) -> None:
+        self.recording = False
+        self.films.close()
+        for take in self.takes.values():
+            take.file.close()
+
+
+def films_at(endpoint: str) -> Any:
+    """Lesson 12's, whose Pillow nobody needs who has no render_mode."""
+    try:
+        return importlib.import_module("netmq_example.video.films").Films(endpoint)
+    except ModuleNotFoundError as error:
+        raise ModuleNotFoundError(f"render_mode needs Pillow: pip install pillow ({error})") from None
+
+
+def film_path(path: Any) -> Path | None:
+    return None if path is None else film_writer().film_path("video_paths", path)
