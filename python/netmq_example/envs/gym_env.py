@@ -32,10 +32,9 @@ from gymnasium.spaces import Space
 from netmq_example import arguments
 from netmq_example.envs.actions import Actions
 from netmq_example.envs.common import MadeAnew
-from netmq_example.envs.infos import info_in, scene_infos
 from netmq_example.envs.kinds import Kind, SceneHello, agreed
 from netmq_example.envs.observations import observations_of
-from netmq_example.envs.remote import GONE, Remote, is_seed, refused_reset
+from netmq_example.envs.remote import GONE, Remote, info_in, is_seed, refused_reset, scene_infos
 from netmq_example.envs.rendering import MODES, Rendered, check_words
 from netmq_example.errors import Lost
 from netmq_example.messages import EXACT, MessageError

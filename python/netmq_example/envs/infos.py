@@ -14,12 +14,11 @@ from typing import Any
 
 import numpy as np
 
-from netmq_example.messages import DECODER, MessageError
+from netmq_example.envs.remote import OWN, info_in
+from netmq_example.messages import DECODER
 from netmq_example.wire import trees
 from netmq_example.wire.records import Section
 
-# These names are the environment's own.
-OWN = frozenset(("lost", "final_obs", "final_info", "final_observation"))
 # Under this name is a mask, as Gymnasium's sample takes it: int8, or a tuple of several.
 MASK = "action_mask"
 NUMBERS = {"int64": np.dtype("<i8"), "float64": np.dtype("<f8"), "bool": np.dtype(bool)}
@@ -148,30 +147,3 @@ def dtype_of(form: bytes) -> Any:
             return None
         fields.append((key, np.dtype(name).newbyteorder("<"), shape))
     return np.dtype(fields)
-
-
-def info_in(data: Any) -> dict[str, Any]:
-    """A simulator's info of one agent."""
-    info = trees.read(data) if len(data) else {}
-    if type(info) is not dict:
-        raise MessageError("bad-info", f"an info is a dict, not {info!a:.40}")
-    if not OWN.isdisjoint(info):
-        raise MessageError("bad-info", f"these names are the environment's own: {', '.join(sorted(OWN & info.keys()))}")
-    if MASK in info:
-        info[MASK] = mask_of(info[MASK])
-    return info
-
-
-def mask_of(value: Any) -> Any:
-    if isinstance(value, list) and any(isinstance(part, list | np.ndarray) for part in value):
-        return tuple(map(mask_of, value))
-    mask = np.asarray(value)
-    return mask.astype(np.int8) if mask.dtype.kind in "biuf" else value
-
-
-def scene_infos(said: Any) -> list[Any]:
-    """What the scene itself has said, in the head of an answer."""
-    infos = trees.read(said) if len(said) else []
-    if type(infos) is not list:
-        raise MessageError("bad-info", f"the infos of a scene are a list, not {infos!a:.40}")
-    return infos

@@ -26,6 +26,8 @@ from netmq_example.wire.spaces import write_dict
 # Bytes of an info.
 LONGEST_INFO = 12_000
 GONE = "it has left the scene"
+# These names are the environment's own.
+OWN = frozenset(("lost", "final_obs", "final_info", "final_observation"))
 
 Sections = Callable[[Lost | None], list[Section]]
 
@@ -125,3 +127,30 @@ def refused_reset(env: Any) -> Any:
     except MessageError:
         env.begun = False
         raise
+
+
+def info_in(data: Any) -> dict[str, Any]:
+    """A simulator's info of one agent."""
+    info = trees.read(data) if len(data) else {}
+    if type(info) is not dict:
+        raise MessageError("bad-info", f"an info is a dict, not {info!a:.40}")
+    if not OWN.isdisjoint(info):
+        raise MessageError("bad-info", f"these names are the environment's own: {', '.join(sorted(OWN & info.keys()))}")
+    if MASK in info:
+        info[MASK] = mask_of(info[MASK])
+    return info
+
+
+def mask_of(value: Any) -> Any:
+    if isinstance(value, list) and any(isinstance(part, list | np.ndarray) for part in value):
+        return tuple(map(mask_of, value))
+    mask = np.asarray(value)
+    return mask.astype(np.int8) if mask.dtype.kind in "biuf" else value
+
+
+def scene_infos(said: Any) -> list[Any]:
+    """What the scene itself has said, in the head of an answer."""
+    infos = trees.read(said) if len(said) else []
+    if type(infos) is not list:
+        raise MessageError("bad-info", f"the infos of a scene are a list, not {infos!a:.40}")
+    return infos

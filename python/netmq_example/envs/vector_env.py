@@ -28,10 +28,10 @@ from netmq_example.envs.actions import Actions
 from netmq_example.envs.common import MadeAnew, checked_options
 from netmq_example.envs.episodes import Episodes
 from netmq_example.envs.gym_env import check_space
-from netmq_example.envs.infos import Infos, scene_infos
+from netmq_example.envs.infos import Infos
 from netmq_example.envs.kinds import Kind, SceneHello, agreed
 from netmq_example.envs.observations import NOBODY, observations_of
-from netmq_example.envs.remote import GONE, Remote, refused_reset
+from netmq_example.envs.remote import GONE, Remote, refused_reset, scene_infos
 from netmq_example.envs.rendering import MODES, Rendered, check_words
 from netmq_example.errors import Lost
 from netmq_example.messages import LIMIT, MessageError

@@ -18,8 +18,11 @@ from dataclasses import dataclass
 from typing import Any, Self, get_type_hints
 
 from netmq_example import arguments, check
-from netmq_example.scene.infos import Infos
+from netmq_example.wire import trees
 from netmq_example.wire.split_mix import Draws, draws
+
+# Bytes of infos that wait for an answer.
+MOST_WAITING = 12_000
 
 
 @dataclass(frozen=True)
@@ -30,6 +33,32 @@ class Obs:
 
     def __post_init__(self) -> None:
         check.instance("locator", self.locator, str)
+
+
+class Infos:
+    """What waits for the next answer: no more than so many bytes, and those that are left out are counted."""
+
+    def __init__(self) -> None:
+        self.waiting: list[Any] = []
+        self.size = 0
+        self.dropped = 0
+
+    def send(self, info: Any) -> None:
+        """MessageError says what is no info: texts, numbers, true, false, lists, dicts and arrays."""
+        data = trees.write(info)
+        if self.size + len(data) > MOST_WAITING:
+            self.dropped += 1
+            return
+        self.size += len(data)
+        # As it is now, whatever becomes of it.
+        self.waiting.append(trees.read(data))
+
+    def take(self) -> list[Any]:
+        taken = self.waiting
+        if self.dropped:
+            taken.append({"dropped": self.dropped})
+        self.__init__()  # type: ignore[misc]
+        return taken
 
 
 class Agent:

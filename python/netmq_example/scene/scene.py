@@ -12,8 +12,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from netmq_example import arguments, check
-from netmq_example.scene.agent import Agent
-from netmq_example.scene.infos import Infos
+from netmq_example.scene.agent import Agent, Infos
 from netmq_example.wire.split_mix import Draws
 
 

@@ -27,7 +27,6 @@ import numpy as np
 from netmq_example import arguments, check
 from netmq_example.messages import Array, Message, MessageError
 from netmq_example.scene.exchange import Exchange
-from netmq_example.scene.infos import info_of
 from netmq_example.scene.real_time import RealTime
 from netmq_example.scene.roster import Roster
 from netmq_example.scene.scene import Scene
@@ -154,3 +153,11 @@ class SceneSimulator(SimulatorBase):
         except (ArithmeticError, TypeError) as error:
             raise MessageError("bad-picture", f"a picture is uint8 [height, width, 3]: {error!s:.100}") from None
         return Message("picture", request.id, {}, [Array("uint8", one.shape, one.tobytes()) for one in arrays])
+
+
+def info_of(request: Message) -> tuple[str, Any]:
+    """An info: the agent that it is for, or "" for the scene, and its value."""
+    pair = trees.read(request.arrays[0].data) if len(request.arrays) == 1 else None
+    if type(pair) is not list or len(pair) != 2 or not isinstance(pair[0], str):
+        raise MessageError("bad-info", f"{pair!a:.40} is no name with an info")
+    return pair[0], pair[1]
