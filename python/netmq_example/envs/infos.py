@@ -14,13 +14,11 @@ from typing import Any
 
 import numpy as np
 
-from netmq_example.envs.remote import OWN, info_in
+from netmq_example.envs.remote import MASK, OWN, info_in
 from netmq_example.messages import DECODER
 from netmq_example.wire import trees
 from netmq_example.wire.records import Section
 
-# Under this name is a mask, as Gymnasium's sample takes it: int8, or a tuple of several.
-MASK = "action_mask"
 NUMBERS = {"int64": np.dtype("<i8"), "float64": np.dtype("<f8"), "bool": np.dtype(bool)}
 
 

@@ -28,6 +28,8 @@ LONGEST_INFO = 12_000
 GONE = "it has left the scene"
 # These names are the environment's own.
 OWN = frozenset(("lost", "final_obs", "final_info", "final_observation"))
+# Under this name is a mask, as Gymnasium's sample takes it: int8, or a tuple of several.
+MASK = "action_mask"
 
 Sections = Callable[[Lost | None], list[Section]]
 

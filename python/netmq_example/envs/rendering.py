@@ -79,13 +79,12 @@ class Rendered:
         # Also when nobody calls close, and when no simulator comes.
         finalizer(self, self.renderer.close)
 
-    def viewed(self) -> "Renderer":
+    def viewed(self) -> Any:
         """With views, which "rgb_array" opens only where they are wanted."""
         if not self.renderer:
             if self.remote.simulators.connection.closed:
                 raise ValueError("this environment is closed")
             self.open_views(self.remote)
-        assert self.renderer
         return self.renderer
 
     def started(self, remote: Remote) -> Callable[[], object]:

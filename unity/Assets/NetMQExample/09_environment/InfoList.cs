@@ -1,4 +1,4 @@
-// Lesson 09, infos: what an agent or the world says to Python between two answers. In Python: scene/infos.py.
+// Lesson 09, infos: what an agent or the world says to Python between two answers. In Python: scene/agent.py.
 using System.Collections.Generic;
 
 namespace NetMQExample
