@@ -22,7 +22,7 @@ before = set(sys.modules)
 importlib.import_module(sys.argv[1])
 print(*sorted(set(sys.modules) - before))
 """
-OTHERS = ["body", "camera", "fleet", "jobs", "security", "video", "web"]
+OTHERS = ["body", "camera", "fleet", "jobs", "scene", "security", "video", "web"]
 DOORS = ["netmq_example", *(f"netmq_example.{name}" for name in OTHERS)]
 
 
