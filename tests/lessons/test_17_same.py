@@ -5,11 +5,11 @@ The hub, its simulators and the trainer's socket are in this process, without a 
 
 from __future__ import annotations
 
+import functools
 from collections import deque
 from typing import Annotated, Any
 
 import pytest
-import zmq
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 17 needs gymnasium: kit.py run 17 installs it")
 np = pytest.importorskip("numpy", reason="lesson 17 needs numpy: kit.py run 17 installs it")
@@ -19,7 +19,6 @@ from gymnasium.vector import AutoresetMode  # noqa: E402
 import netmq_example.envs  # noqa: E402
 from netmq_example.envs.common import OtherSide  # noqa: E402
 from netmq_example.envs.side_channels import carry  # noqa: E402
-from netmq_example.fleet.hub import Hub  # noqa: E402
 from netmq_example.fleet.simulator import FleetSimulator  # noqa: E402
 from netmq_example.messages import Message, MessageError  # noqa: E402
 from netmq_example.mlagents_envs.side_channel.environment_parameters_channel import (  # noqa: E402
@@ -32,45 +31,39 @@ from netmq_example.scene import Agent, Obs, Scene, SceneSimulator, SideChannelSi
 from netmq_example.wire import records  # noqa: E402
 from netmq_example.worlds.cart_pole import DT, CartPole  # noqa: E402
 from netmq_example.worlds.pursuit import Pursuit  # noqa: E402
+from tests.lessons.fleets import Hall  # noqa: E402
 
 
-class Fleet(OtherSide):
+class Fleet(Hall, OtherSide):
     """A hub's socket and a trainer's at once. At these requests a simulator dies, and another one comes."""
 
-    def __init__(self, make, areas, deaths=()):
-        self.make, self.deaths = make, deaths
-        self.simulators, self.asked, self.came = {}, 0, 0
-        self.unanswered, self.heard = deque(), deque()
-        self.hub = Hub(self, timeout=0.5, report=lambda line: self.lines.append(line))
-        self.lines = []
+    def __init__(self, monkeypatch, make, areas, deaths=()):
+        super().__init__(monkeypatch)
+        self.make, self.deaths, self.asked, self.came = make, deaths, 0, 0
+        self.simulators, self.unanswered = {}, deque()
         for _ in range(areas + bool(deaths)):
             self.come()
-        for simulator in self.simulators.values():
-            name = simulator.name
-        self.hub.take(b"trainer", Message("join", 0, {"name": name, "areas": areas}).frames())
+        self.say(b"trainer", Message("join", 0, {"name": self.simulators[b"1"].name, "areas": areas}))
 
     def come(self):
         self.came += 1
         peer = b"%d" % self.came
         self.simulators[peer] = FleetSimulator(self.make())
-        self.hub.take(peer, self.simulators[peer].hello().frames())
+        self.say(peer, self.simulators[peer].hello())
 
     def send_multipart(self, frames, flags=0):
         peer, *message = frames
         if peer == b"hub":
             self.hub.take(b"trainer", message)
-        elif peer == b"trainer":
-            self.heard.append([b"hub", *message])
         elif peer in self.simulators:
             self.unanswered.append((peer, message))
         else:
-            raise zmq.ZMQError(zmq.EHOSTUNREACH)
+            super().send_multipart(frames)
 
     def recv_multipart(self):
-        while not self.heard:
+        while not self.said[b"trainer"]:
             if not self.unanswered:
-                self.hub.ticked = 0.0
-                self.hub.tick()
+                self.wait()
                 continue
             peer, message = self.unanswered.popleft()
             request = records.read_frames(records.ASKS, message)
@@ -82,10 +75,15 @@ class Fleet(OtherSide):
                     self.come()
                 else:
                     self.hub.take(peer, self.simulators[peer].answer(request))
-        return self.heard.popleft()
+        return [b"hub", *self.said[b"trainer"].pop(0).frames()]
 
     def getsockopt_string(self, option):
         return "tcp://127.0.0.1:5567"
+
+
+@pytest.fixture
+def fleet(monkeypatch):
+    return functools.partial(Fleet, monkeypatch)
 
 
 def alike(one, other):
@@ -159,10 +157,10 @@ WORLDS = {
 @pytest.mark.parametrize("deaths", [(), range(23, 9999, 23)])
 @pytest.mark.parametrize("mode", AutoresetMode)
 @pytest.mark.parametrize("world", WORLDS)
-def test_scenes_of_a_hub_are_to_python_what_the_agents_of_one_scene_are(world, mode, deaths, inside, make):
+def test_scenes_of_a_hub_are_to_python_what_the_agents_of_one_scene_are(world, mode, deaths, fleet, inside, make):
     simulator, agent, words = WORLDS[world]
     words = {**words, "autoreset_mode": mode, "max_episode_steps": 9}
-    fleet = Fleet(simulator, 3, deaths)
+    fleet = fleet(simulator, 3, deaths)
     where = {"fleet": fleet}, {"socket": inside(simulator(agent(), agent(), agent())).socket}
     both = [make(netmq_example.envs.UnityVectorEnv, 3, **words, **each) for each in where]
     options = {"far": 2.5} if world == "walkers" else {"low": -0.2, "high": 0.2}
@@ -196,9 +194,9 @@ def test_scenes_of_a_hub_are_to_python_what_the_agents_of_one_scene_are(world, m
 
 
 @pytest.mark.parametrize("deaths", [(), (30, 99, 180)])
-def test_a_scene_of_several_kinds_is_one_episode_of_a_hub(deaths, inside, make):
+def test_a_scene_of_several_kinds_is_one_episode_of_a_hub(deaths, fleet, inside, make):
     pytest.importorskip("pettingzoo", reason="lesson 10 needs pettingzoo: kit.py run 10 installs it")
-    fleet = Fleet(lambda: SceneSimulator(Pursuit()), 1, deaths)
+    fleet = fleet(lambda: SceneSimulator(Pursuit()), 1, deaths)
     where = {"fleet": fleet}, {"socket": inside(SceneSimulator(Pursuit())).socket}
     both = [make(netmq_example.envs.UnityParallelEnv, "Pursuit", **each) for each in where]
     random = np.random.default_rng(1)
@@ -211,15 +209,44 @@ def test_a_scene_of_several_kinds_is_one_episode_of_a_hub(deaths, inside, make):
     assert fleet.hub.count["episodes"] == 2 and bool(fleet.hub.count["begun anew"]) == bool(deaths)
 
 
-def test_agents_of_one_scene_behind_a_hub_begin_anew_one_by_one(inside, make):
-    words = {"autoreset_mode": "SameStep", "max_episode_steps": 9, **WORLDS["walkers"][2]}
-    fleet = Fleet(lambda: walk(Walker(), Walker()), 1, deaths=(30, 90))
-    where = {"fleet": fleet}, {"socket": inside(walk(Walker(), Walker())).socket}
-    both = [make(netmq_example.envs.UnityVectorEnv, 2, **words, **each) for each in where]
-    alike(*(envs.reset(seed=3) for envs in both))
-    for _ in range(30):
-        action = both[0].action_space.sample()
-        alike(*(envs.step(action) for envs in both))
+class Pond(Scene):
+    """Walkers who come and go; all are there when all begin at once."""
+
+    def __init__(self):
+        super().__init__("Walk", [Walker() for _ in range(3)], 0.1)
+        self.away = []
+
+    def on_reset(self, rng, options):
+        self.agents += self.away
+        self.away, self.rng = [], rng
+
+    def on_stepped(self):
+        if self.rng() < 0.2 and len(self.agents) > 1:
+            self.away.append(min(self.agents, key=lambda walker: walker.name))
+            self.remove(self.away[-1])
+        elif self.rng() < 0.3 and self.away:
+            self.add(self.away.pop(0))
+            self.send_info("back")
+
+
+@pytest.mark.parametrize("deaths", [(), (15, 60, 130, 260)])
+@pytest.mark.parametrize("mode", AutoresetMode)
+def test_who_comes_and_goes_in_a_scene_does_so_over_a_hub(mode, deaths, fleet, inside, make):
+    words = {**WORLDS["walkers"][2], "autoreset_mode": mode, "max_episode_steps": 5}
+    where = (
+        {"fleet": fleet(lambda: SceneSimulator(Pond()), 1, deaths)},
+        {"socket": inside(SceneSimulator(Pond())).socket},
+    )
+    both = [make(netmq_example.envs.UnityVectorEnv, 3, **words, **each) for each in where]
+    for seed in range(2):
+        alike(*(envs.reset(seed=seed) for envs in both))
+        for _ in range(30):
+            action = both[0].action_space.sample()
+            seen = [envs.step(action) for envs in both]
+            alike(*seen)
+            over = seen[0][2] | seen[0][3]
+            if mode == AutoresetMode.DISABLED and over.any():
+                alike(*(envs.reset(options={"reset_mask": over.copy()}) for envs in both))
 
 
 class Windy(Agent):
@@ -254,9 +281,9 @@ def windy():
     return SideChannelSimulator(SceneSimulator(leaf.scene), SideChannelManager([parameters, stats]))
 
 
-def test_side_channels_and_infos_of_the_scene_go_through_the_hub(make):
+def test_side_channels_and_infos_of_the_scene_go_through_the_hub(fleet, make):
     """A simulator that comes later knows what was set before, and nothing is told twice."""
-    fleet = Fleet(windy, 2, range(11, 99, 11))
+    fleet = fleet(windy, 2, range(11, 99, 11))
     envs = make(netmq_example.envs.UnityVectorEnv, 2, "Leaf", autoreset_mode="SameStep", fleet=fleet)
     parameters, stats = EnvironmentParametersChannel(), StatsSideChannel()
     carry(envs, SideChannelManager([parameters, stats]))
@@ -273,15 +300,13 @@ def test_side_channels_and_infos_of_the_scene_go_through_the_hub(make):
     assert sorted(counted) == sorted([1.0, 2.0, 3.0] * 8) and fleet.came > 5
 
 
-def test_what_a_hub_has_not_is_refused_in_a_line(make):
-    said = Message.read(Fleet(lambda: walk(Walker(), Walker()), 3).recv_multipart()[1:]).values
+def test_what_a_hub_has_not_is_refused_in_a_line(fleet, make):
+    said = Message.read(fleet(lambda: walk(Walker(), Walker()), 3).recv_multipart()[1:]).values
     cure = "take FleetSocket(…, 1) for an environment of these agents, and several of both"
     assert said == {"code": "several-agents", "text": f"a scene of 2 agents is no row of 3: {cure}"}
-    fleet = Fleet(poles, 2)
+    fleet = fleet(poles, 2)
     make(netmq_example.envs.UnityVectorEnv, 2, "CartPole", fleet=fleet)
     wrong = (4, 2, "scenes-clock"), (8, 2, "real-time"), (0, 3, "wrong-areas")
     for id, (bits, rows, code) in enumerate(wrong, 20):
-        fleet.heard.clear()
         section = records.Section(0, bytes(8 * rows), bytes([records.RESET] * rows))
-        fleet.send_multipart([b"hub", *records.Record(records.ASKS, id, [section], bits).frames()])
-        assert Message.read(fleet.recv_multipart()[1:]).values["code"] == code
+        assert fleet.code(b"trainer", records.Record(records.ASKS, 0, [section], bits), id) == code
