@@ -60,7 +60,7 @@ def folder(tmp_path, monkeypatch):
 
 
 def played(name, *files):
-    """What launches them in the player."""
+    """Programs that launch them in the player."""
     words = [sys.executable, str(ROOT / "kit.py"), "play", *(f"{file}.cs" for file in files)]
     return [*words, "--add", "GymManager", "--envName", name]
 

@@ -68,7 +68,7 @@ class Hall:
         self.wait()
 
     def say(self, peer, message, id=0):
-        """What the hub says to it then."""
+        """The hub's words to it then."""
         self.said.pop(peer, None)
         message = copy.copy(message)
         message.id = id

@@ -58,7 +58,7 @@ class Clerk(Agent):
             case ["write", letter]:
                 self.letters.append(letter)
             case ["leave", *letter]:
-                # Who leaves with a letter has ended.
+                # A clerk that leaves with a letter has ended.
                 self.letters += letter
                 self.terminated |= bool(letter)
                 self.office.remove(self)
@@ -89,7 +89,7 @@ class Clerk(Agent):
         self.send_info(info)
 
 
-# What a clerk may say by name.
+# The names under which a clerk may say something.
 VALUES = {
     "nothing": 0,
     "part": 0.75,

@@ -1,6 +1,6 @@
 """Libraries of reinforcement learning take environments as their own: they copy and pickle them, ask for all that
 Gymnasium's and PettingZoo's own have, take plain spaces, masks and goals, and end in whatever way, after which no
-simulator may be left. What must hold for each library is run where that library is installed.
+simulator may be left. Rules for each library, run where that library is installed.
 """
 
 from __future__ import annotations
@@ -537,7 +537,7 @@ def test_a_vecenv_is_the_vector_environment(sb3, inside, make):
             assert np.array_equal(rewards, gains) and rewards.dtype == np.float32
             for area in range(4):
                 assert ("terminal_observation" in said[area]) == over[area]
-                # What one of Gymnasium's wrappers says.
+                # The infos of one of Gymnasium's wrappers.
                 assert ("episode" in said[area]) == (over[area] and areas is not both[0])
                 if over[area]:
                     assert np.array_equal(said[area]["terminal_observation"], infos["final_obs"][area])
@@ -633,7 +633,7 @@ def pursuit():
 
 
 def needs(name):
-    """The module. What it needs in turn may be missing as well."""
+    """The module. Packages that it needs in turn may be missing as well."""
     try:
         return importlib.import_module(name)
     except ImportError as error:

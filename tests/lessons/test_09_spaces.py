@@ -258,7 +258,7 @@ def test_what_is_done_in_a_space_is_seen_in_csharp(program, start):
 
 
 def python_says(name, count, *asks):
-    """What RecordChecks.cs says to the last of these requests."""
+    """RecordChecks.cs's answer to the last of these requests."""
     answering = simulator(name, *(agent_of(name) for _ in range(int(count))))
     answering.hello()
     for digits in asks:

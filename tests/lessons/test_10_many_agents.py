@@ -138,9 +138,7 @@ def info(value):
 
 
 def without_lists(infos):
-    """What one agent's environment says of itself, and of its scene, is a list always; a vector's is there if it is not
-    empty.
-    """
+    """Infos of one agent's environment, its own and its scene's, are lists always; a vector's are there if not empty."""
     assert all(one in ([], None) for name in ("env", "agent") if name in infos for one in infos[name])
     finals = {"final_info": without_lists(infos["final_info"])} if "final_info" in infos else {}
     return {**{name: infos[name] for name in infos if name.strip("_") not in ("env", "agent")}, **finals}
@@ -220,7 +218,7 @@ def test_agent_number_i_has_the_seed_and_i_in_every_class(at_work):
 
 
 def done(env, answer):
-    """What was asked in the scene, in order."""
+    """The calls in the scene, in order."""
     infos = answer[-1]
     said = next(iter(infos.values()))["env"] if isinstance(env, UnityParallelEnv) else infos["env"][0]
     return [*said]
@@ -235,7 +233,7 @@ def test_the_order_of_a_step(at_work):
     first = ["office begins", *of("ann_0 ann_1 bob", "begins"), *of("ann_0 ann_1 bob", "sees")]
     assert done(env, env.reset(seed=1)) == first
     answer = env.step({"ann_0": "earn 2", "ann_1": "end soon", "bob": "end late"})
-    # Whoever has ended is seen a last time, before the others are.
+    # Those that have ended are seen a last time, before the others are.
     assert done(env, answer) == [
         *("ann_0 does earn 2", "ann_1 does end soon", "bob does end late"),
         *(*of("ann_0 ann_1 bob", "ticks"), "office ticks", "bob ticks", "office ticks"),
@@ -244,7 +242,7 @@ def test_the_order_of_a_step(at_work):
     ]
     assert answer[1] == {"ann_0": 2.25, "ann_1": 0.25, "bob": 0.25}
     assert answer[2] == {"ann_0": False, "ann_1": True, "bob": True}
-    # Who is over has no ticks, and is asked for nothing; nothing after an end belongs to a step.
+    # An agent that is over has no ticks, and is asked for nothing; nothing after an end belongs to a step.
     assert env.agents == ["ann_0"]
     answer = env.step({"ann_0": "end"})
     assert done(env, answer) == ["ann_0 does end", "ann_0 stepped", "office stepped", "ann_0 sees"]

@@ -213,7 +213,7 @@ def test_who_comes_back_has_its_row_and_its_name_and_a_stranger_has_none():
     assert asks.all(STEP).sections[0].marks == bytes([SEEN, SEEN])
 
 
-# What an agent says
+# The infos of an agent
 
 
 def told(agent, what, **more):

@@ -250,7 +250,7 @@ def test_who_comes_and_goes_in_a_scene_does_so_over_a_hub(mode, deaths, fleet, i
 
 
 class Windy(Agent):
-    """What it sees is a parameter; it tells the channels of each step, and the scene of each begin."""
+    """Its observation is a parameter; it tells the channels of each step, and the scene of each begin."""
 
     name = "leaf"
     scene: Any = None

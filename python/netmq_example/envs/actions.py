@@ -1,4 +1,4 @@
-"""What the agents of one kind do: actions as the rows of a request.
+"""Actions of the agents of one kind, as the rows of a request.
 
     actions = Actions(space, kind)
     section = Section(kind.at, seeds, marks)

@@ -86,5 +86,5 @@ class Episodes:
         return bool(self.limit) and self.left <= 0
 
     def up(self) -> Any:
-        """Whose time is up."""
+        """The agents whose time is up."""
         return self.steps >= self.limit if self.limit else np.zeros(self.count, bool)

@@ -95,7 +95,7 @@ class UnityGymEnv(MadeAnew, Rendered, gymnasium.Env[Any, Any]):
         self.actions = Actions(self.action_space, kind, checks=self.simulators.fleet)
         self.agent_name = name
         self.row = kind.agents.index(name)
-        # What a step says of the others: nothing.
+        # Nothing, which a step says of the others.
         self.zeros = bytes(8 * len(kind.agents))
         self.marks = {order: marks_of(len(kind.agents), self.row, order) for order in (STEP, RESET)}
         self.metadata = {**self.metadata, "render_fps": self.render_fps or scene.frames_per_second(kind)}

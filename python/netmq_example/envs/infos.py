@@ -29,7 +29,7 @@ class Infos:
         self.count = count
         self.section = section if section is not None and len(section.table) else None
         self.everyone = everyone or {}
-        # What the environment itself says, by row: it is the last to do so.
+        # The environment's own words, by row: it is the last to speak.
         self.added: dict[int, dict[str, Any]] = {}
 
     def __len__(self) -> int:

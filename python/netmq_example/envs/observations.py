@@ -1,4 +1,4 @@
-"""What the agents of one kind see: the rows of an answer, as observations and as batches of them.
+"""Observations of the agents of one kind: the rows of an answer, one by one and as batches.
 
     seen = observations_of(space, kind)
     seen.take(section, begins={3})                  the newest of each; the episode of agent 3 has just begun
@@ -95,4 +95,4 @@ class Rows:
         """All have one space."""
 
     def warn(self, agent: int) -> None:
-        """Whoever writes an observation in code writes all of it."""
+        """An observation in code is always whole."""

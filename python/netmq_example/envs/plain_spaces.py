@@ -222,7 +222,7 @@ def numbers_of(space: Space[Any]) -> int:
 
 
 def chosen(space: Any, numbers: Any) -> Any:
-    """What these numbers do: the last axis has those of one agent."""
+    """The actions that these numbers are: the last axis has those of one agent."""
     many = numbers.shape[:-1]
     match space:
         case spaces.Dict():

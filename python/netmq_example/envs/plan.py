@@ -55,7 +55,7 @@ class Sight:
         self.plan: Plan | None = None
         self.form = b""
         self.numbers: Any = b""
-        # What was read last, until somebody takes it.
+        # The observation that was read last, until somebody takes it.
         self.fresh: Any = None
         self.old = fitted(self.space, empty(self.space, self.where), self.where)
 

@@ -151,7 +151,7 @@ def mask_of(value: Any) -> Any:
 
 
 def scene_infos(said: Any) -> list[Any]:
-    """What the scene itself has said, in the head of an answer."""
+    """The scene's own infos, in the head of an answer."""
     infos = trees.read(said) if len(said) else []
     if type(infos) is not list:
         raise MessageError("bad-info", f"the infos of a scene are a list, not {infos!a:.40}")

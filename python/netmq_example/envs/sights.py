@@ -1,4 +1,4 @@
-"""What agents with attributes see: rows of locators and values, as observations; observations.py has those in code.
+"""Observations of agents with attributes: rows of locators and values. Those in code are in observations.py.
 
 It needs gymnasium and numpy.
 """
@@ -28,7 +28,7 @@ class Sights:
         self.table: Table | None = None
         self.form = b""
         self.values: Any = b""
-        # What was read last, until somebody takes it.
+        # The observation that was read last, until somebody takes it.
         self.fresh: Any = None
 
     def take(self, section: Section, begins: Collection[int] = NOBODY) -> None:

@@ -101,11 +101,11 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
         self.episodes = Episodes(self.num_envs, limit)
         self.kind: Kind | None = None
         self.begun = False
-        # Whose episode is over, and who is away; or None, if nobody is.
+        # The agents whose episode is over, and those that are away; None, if there are none.
         self.over: Any = None
         self.gone: Any = None
         self.infos = Infos(self.num_envs)
-        # What those have said whose episode has ended, while another one has begun in the same step.
+        # Infos of episodes that have ended, while others have begun in the same step.
         self.final_infos: dict[int, dict[str, Any]] = {}
         self.remote = Remote(env_name, self.use, file_name, real_time, **where)
         self.simulators = self.remote.simulators
@@ -250,7 +250,7 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
             terminated = marks & TERMINATED > 0
             truncated = marks & TRUNCATED > 0
         if self.gone is not None:
-            # Whoever leaves is cut, once; whoever is away has no episode that could end.
+            # An agent that leaves is cut, once; one that is away has no episode that could end.
             truncated |= self.gone & ~terminated & (True if was_gone is None else ~was_gone)
         seen = self.seen.batch()
         up = self.episodes.up() if self.episodes.may_be_up else None
@@ -292,7 +292,7 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
             if agent in self.final_infos:
                 last[agent] = self.last.one(agent)
             else:
-                # Whoever has left was seen last before.
+                # An agent that has left was seen last before.
                 each = list(iterate(self.observation_space, before)) if each is None else each
                 last[agent] = each[agent]
                 self.final_infos[agent] = self.infos[agent]

@@ -56,7 +56,7 @@ PARAMETERS = {
 
 
 class Playing:
-    """Who plays in a scene. When all of them reset at once, an episode begins, and what was before is over. That holds
+    """The agents that play in a scene. When all reset at once, an episode begins, and what was before is over. That holds
     for those that have left, too: in another simulator they may be there, as they were at the end of its last episode.
     """
 
@@ -73,7 +73,7 @@ class Playing:
         return begins
 
     def see(self, sections: list[Section]) -> None:
-        """Who has come plays as well."""
+        """Newcomers play as well."""
         for one in sections:
             if one.marks.translate(None, NOT_NEW):
                 self.rows.update((one.kind, row) for row, mark in enumerate(one.marks) if mark & NEW)
@@ -136,7 +136,7 @@ class Exchange:
         return Part(frame, [(section.kind, len(section.marks)) for section in sections], begins)
 
     def again(self, area: int, answer: Record) -> Part | None:
-        """What one of several scenes is asked once more: a reset that the trainer has left to the simulator."""
+        """The second request to one of several scenes: a reset that the trainer has left to the simulator."""
         if area in self.ended or not self.autoreset or self.areas == 1:
             return None
         mark, order = answer.sections[0].marks[0], self.request.sections[0].marks[area]

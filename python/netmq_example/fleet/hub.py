@@ -5,7 +5,7 @@
     hub.tick()                                                              often: it does its work some times a second
 
 A simulator says `hello` {name, build, dt, …}, as in lesson 09, and gets `welcome` {silence}; a trainer says `join`
-{name, areas}, and gets the hello of a scene with so many agents, as in lesson 10, once so many simulators are there; one
+{name, areas}, and gets the hello of a scene with so many agents, once so many simulators are there; one
 area is a whole scene. What rows, options and infos mean is between those two: the hub hands them on as they are.
 
 A peer that is silent gets its last message once more: a simulator does nothing twice, and answers with what it has kept

@@ -35,7 +35,7 @@ WORDS = {"render": "picture", "info": "told"}
 
 
 class Part:
-    """What one simulator is asked of a request, as bytes: these are kept, and so none of the others'."""
+    """One simulator's part of a request, as bytes: these are kept, and none of the others'."""
 
     __slots__ = ("begins", "frame", "rows")
 

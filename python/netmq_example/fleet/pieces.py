@@ -84,7 +84,7 @@ def taken(data: Any) -> Any:
 
 
 def parts(form: Any, data: bytes, at: int) -> tuple[Any, int]:
-    """What begins there, and where the next one does."""
+    """The part that begins there, and where the next one does."""
     value: Any
     if isinstance(form, list):
         value = []

@@ -4,7 +4,7 @@
     with FleetSocket("tcp://127.0.0.1:5567", "CartPole", 16) as fleet:
         envs = gymnasium.make_vec("NetMQExample/CartPole-v0", 16, fleet=fleet, timeout=60)
 
-With one area it is the way to a whole scene, for any environment. An environment expects a bound ROUTER socket, to which
+With one area it is the way to a whole scene, for any environment. That expects a bound ROUTER socket, to which
 a simulator comes. Here a DEALER socket goes to the hub, says `join` {name, areas}, and looks like one: what it receives
 is of a peer named `hub`.
 With keys `prepare` is lesson 15's ClientKeys(folder).apply.

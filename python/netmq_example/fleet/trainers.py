@@ -44,9 +44,9 @@ class Trainer:
         self.episodes: list[Episode | None] = [None] * areas
         self.request: Any = Message("join")
         self.exchange: Exchange | None = None
-        # What its last request was answered with, in frames.
+        # The answer to its last request, in frames.
         self.kept: list[Any] = []
-        # What it has set by side channels, and who plays, where it has one scene.
+        # Its settings by side channels, and the agents that play, where it has one scene.
         self.parameters: dict[bytes, bytes] = {}
         # The first agent of its scenes.
         self.agent = ""
@@ -104,7 +104,7 @@ class Trainer:
         self.episodes[area] = Episode(part, partial(self.ready, area))
 
     def words(self, request: Message) -> dict[int, Any]:
-        """What each area is asked in words."""
+        """Requests in words, of each area."""
         if request.kind == "render" and not request.arrays:
             return dict.fromkeys(range(self.areas), Message("render"))
         if request.kind != "info":

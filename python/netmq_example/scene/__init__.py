@@ -42,7 +42,7 @@ if not TYPE_CHECKING:
         "simulator": "SceneSimulator SimulatorBase",
     }
     load, __dir__ = door(__name__, ROOMS)
-    # What 0.3 had in their place, and nobody can derive from any more.
+    # Classes of 0.3 in their place, from which nobody can derive any more.
     GONE = dict.fromkeys(("Simulation", "AgentSimulation"), "derive from Agent, and put your agents into a Scene")
     GONE |= dict.fromkeys(("Simulator", "AreaSimulator", "AgentSimulator"), "write SceneSimulator(Scene(name, agents))")
 

@@ -36,7 +36,7 @@ class Obs:
 
 
 class Infos:
-    """What waits for the next answer: no more than so many bytes, and those that are left out are counted."""
+    """Infos for the next answer: no more than so many bytes, and those that are left out are counted."""
 
     def __init__(self) -> None:
         self.waiting: list[Any] = []
@@ -82,7 +82,7 @@ class Agent:
     terminated: bool
     truncated: bool
     info: dict[str, Any]
-    # What waits for the next answer, and what was earned since the last one in real time.
+    # Infos for the next answer, and the reward since the last one in real time.
     _infos: Infos
     _earned: float
 

@@ -1,4 +1,4 @@
-"""What connects a simulator to an environment, which a trainer has made.
+"""The connection of a simulator to an environment, which a trainer has made.
 
     run(scene, "tcp://127.0.0.1:5559", timeout=30)                       until the environment is closed; or Timeout
 

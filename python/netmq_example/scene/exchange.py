@@ -73,7 +73,7 @@ class Exchange(Steps):
         return Asked(kind, section)
 
     def end(self) -> None:
-        """Whoever is over is observed a last time, also who has left in the same step. Then it is seen who is there."""
+        """An agent that is over is observed a last time, also if it has left in the same step. Then the roster looks."""
         for one in self.asked:
             kind = one.kind
             ended: dict[int, Agent] = {}
@@ -146,7 +146,7 @@ class Exchange(Steps):
                 seeing.append(agent)
             telling[row] = agent
         rows = self.seen(kind, seeing)
-        # What an agent says while it observes belongs to this answer.
+        # Infos that an agent sets while it observes belong to this answer.
         for row, agent in telling.items():
             numbers[row], info = take(agent)
             if info:

@@ -34,7 +34,8 @@ class Kind:
         # Then what is seen comes as locators and values.
         self.located = not self.in_code or self.observation is None
         count = len(names)
-        # Who is there, and who was there last; whose episode goes on, who is known to have left, who has yet to begin.
+        # By row: the agent, the last one, whether its episode goes on, and whether Python knows that it has left; and the
+        # rows that have yet to begin.
         self.present: list[Agent | None] = [None] * count
         self.last: list[Agent | None] = [None] * count
         self.begun = [False] * count
@@ -82,7 +83,7 @@ class Kind:
         return [None if row is None else next(each) for row in rows]
 
     def seen(self, agents: list[Agent]) -> list[bytes]:
-        """What these see now, of an agent in code."""
+        """Observations of agents in code, as bytes."""
         if self.observation is None:
             return [trees.write_pairs([("@ = $", agent.observe())]) for agent in agents]
         codec = self.observation.codec
@@ -115,7 +116,7 @@ def read_rows(space: Bytes, rows: list[Any]) -> list[Any]:
 
 
 def write_row(space: Bytes, value: Any) -> bytes:
-    """What an agent sees, which must be in its space."""
+    """The bytes of an observation, which must be in its space."""
     try:
         row = space.write(value)
         space.read(row)

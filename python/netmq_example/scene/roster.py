@@ -1,4 +1,4 @@
-"""Who has which row of a scene. Names are decided at the hello; from then on agents come and go. It needs gymnasium."""
+"""The rows of a scene, and who has them. Names are decided at the hello; then agents come and go. It needs gymnasium."""
 
 import re
 from collections.abc import Iterator
@@ -68,7 +68,7 @@ class Roster:
         for agent in sorted(agents, key=lambda one: parted(one.name)[1] is None):
             kind, row = self.place(agent)
             if kind.present[row] is not agent:
-                # Who was away between two answers has missed nothing.
+                # An agent that was away between two answers has missed nothing.
                 if kind.last[row] is not agent or kind.told[row] or not kind.begun[row]:
                     kind.begun[row] = False
                     kind.fresh.add(row)

@@ -27,7 +27,7 @@ class Asked:
         self.orders = section.marks
         self.seeds: tuple[int, ...] = struct.unpack(f"<{len(self.orders)}q", section.numbers)
         self.actions = kind.actions(section)
-        # What those that have ended in this exchange have seen last, by row; and whose episodes begin in it.
+        # By row: the last observation of those that have ended in this exchange, and those whose episodes begin in it.
         self.last: dict[int, bytes] = {}
         self.again: set[int] = set()
         self.new: set[int] = set()
@@ -123,7 +123,7 @@ class Steps:
             for agent in agents:
                 if self.here(agent):
                     agent.on_reset()
-                    # What it earns before its first step belongs to none.
+                    # Rewards before its first step belong to none.
                     agent.reward = 0.0
             count += len(agents)
             self.roster.sync()

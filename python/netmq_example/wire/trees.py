@@ -170,7 +170,7 @@ def form_of(value: Any, parts: list[Any]) -> Any:
 
 @functools.lru_cache(100)
 def sent_as(dtype: Any) -> tuple[str, Any]:
-    """What an array of this dtype travels as; numpy makes its name anew each time."""
+    """The dtype as which an array travels; numpy makes its name anew each time."""
     name = WIDER.get(dtype.name, dtype.name)
     if name not in DTYPES:
         raise MessageError("bad-dtype", f"dtype {name!a:.40} is none of {', '.join(DTYPES)}")

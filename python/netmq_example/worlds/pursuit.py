@@ -53,7 +53,7 @@ class Player(Agent):
         self.way: int | None = None
 
     def on_reset(self) -> None:
-        # Who begins anew while the others go on has no place from the world.
+        # A player that begins anew while the others go on has no place from the world.
         if not self.placed:
             self.place(self.rng)
         self.placed = False

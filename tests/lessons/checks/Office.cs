@@ -60,7 +60,7 @@ namespace NetMQExample.Tests
                 RecordChecks.Array("float64", 0, 0), RecordChecks.Array("float64", 1, 1))),
             ("letters", GymSpace.Sequence(Words)), ("ticks", GymSpace.Box(0, 100, 1)));
 
-        // What a clerk may say by name.
+        // The names under which a clerk may say something.
         private static readonly Dictionary<string, object> Values = new()
         {
             ["nothing"] = 0L,

@@ -47,7 +47,7 @@ namespace NetMQExample
             {
                 agentName = Require.Given("Name", value);
                 state?.Call(value, true);
-                // What gave up because of its name has another one.
+                // An agent that gave up because of its name has another one.
                 if (state == null && isActiveAndEnabled) OnEnable();
             }
         }
@@ -84,7 +84,7 @@ namespace NetMQExample
         /// <summary>The option "state": <see cref="StateSize"/> numbers, or none.</summary>
         protected double[] FirstState => Own.FirstState;
 
-        /// <summary>Whatever else Python is to know of this step, by name.</summary>
+        /// <summary>Named infos of this step, for Python.</summary>
         protected IDictionary<string, object> Info => Own.Info;
 
         /// <summary>Seconds of one of its steps.</summary>

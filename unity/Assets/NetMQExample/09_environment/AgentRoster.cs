@@ -79,7 +79,8 @@ namespace NetMQExample
         /// <param name="loading">Whether a scene was loaded, whose agents take the rows in their order.</param>
         public void Settle(bool loading)
         {
-            if (waiting.Count > 0 || renames != AgentState.Renames || !Same(agents, known) || !Same(sensors, knownSensors)) Look(loading);
+            if (waiting.Count > 0 || renames != AgentState.Renames || !Same(agents, known)
+                || !Same(sensors, knownSensors)) Look(loading);
         }
 
         /// <summary>Whether it takes part at this very moment: each agent may switch others off.</summary>

@@ -13,9 +13,9 @@ namespace NetMQExample
         public readonly string Name;
         // Within its kind, and among all of the hello.
         public readonly int Place, Number;
-        // What it sees with, where that are attributes.
+        // Its sources, where it sees by attributes.
         public readonly SeenSources Seen = new SeenSources();
-        // Who has it, or had it last; or null.
+        // The agent that has it, or had it last; or null.
         public IAgent Agent;
         public AgentState State;
         // Its place in the list of those that take part; below 0: it has no part now.
@@ -27,9 +27,9 @@ namespace NetMQExample
         // In this exchange: whether it has begun, is new in the answer, has its observation in it, and is in a section
         // of those that have ended.
         public bool BeganNow, New, Shown, Ended;
-        // What it has seen in the step of its end, and the form of that: others may have begun since, or it has left.
+        // Its observation in the step of its end, and the form of that: others may have begun since, or it has left.
         public (byte[] Bytes, string Form) Last;
-        // What Python wants of it: its order, the seed of its next episode, and whether it has an action, in real time
+        // Python's order, the seed of its next episode, and whether it has an action, in real time
         // also one from before.
         public Order Order;
         public long Seed;

@@ -24,7 +24,7 @@ namespace NetMQExample
         private bool terminated, truncated;
 
         /// <summary>Reads the attributes of an object's class.</summary>
-        /// <param name="name">What Python calls it; several agents of one name get numbers.</param>
+        /// <param name="name">Its name in Python; several agents of one name get numbers.</param>
         /// <param name="observed">The object with the observed members.</param>
         /// <param name="period">How many ticks a step of this agent takes.</param>
         /// <exception cref="ArgumentException">A locator is wrong; the message names member and column.</exception>
@@ -44,7 +44,7 @@ namespace NetMQExample
                     $"{string.Join(" and ", twice.Select(source => source.Name))} go to one place: {twice.Key}");
         }
 
-        /// <summary>What Python calls it; decided when Python comes.</summary>
+        /// <summary>Its name in Python; decided when Python comes.</summary>
         public string Name { get; private set; }
 
         /// <summary>How many ticks a step of this agent takes, at least 1.</summary>
@@ -72,7 +72,7 @@ namespace NetMQExample
         /// <summary>The option "state", if there is one.</summary>
         public double[] FirstState { get; private set; } = new double[0];
 
-        /// <summary>Whatever else Python is to know of this step, by name.</summary>
+        /// <summary>Named infos of this step, for Python.</summary>
         public IDictionary<string, object> Info => info;
 
         /// <summary>Seconds of one of its steps.</summary>
@@ -159,7 +159,7 @@ namespace NetMQExample
             Late ??= before.Late;
         }
 
-        // What Python gets of it, once. The reward and the ends as marks: 1 terminated, 2 truncated.
+        // Its reward and ends, which Python gets once. The reward and the ends as marks: 1 terminated, 2 truncated.
         internal (double Reward, byte Ends) Take()
         {
             var taken = Reward;

@@ -137,7 +137,7 @@ namespace NetMQExample
                 {
                     var resets = request == null && step.Has(Order.Reset);
                     if (count > 0 && resets && simulator.Episodes >= count) return;
-                    // Who ends begins anew in the same exchange: there is one more when nobody asks for it.
+                    // With the autoreset bit an episode more begins before anybody asks for it.
                     if (count > 0 && request == null && step.Autoreset && simulator.Episodes > count) return;
                     do perform(answer);
                     while (simulator.Waiting);

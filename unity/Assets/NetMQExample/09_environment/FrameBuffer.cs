@@ -20,7 +20,7 @@ namespace NetMQExample
             return bytes.AsSpan(Count);
         }
 
-        // What stands there from a place on: to be written over, or to be sent.
+        // The bytes from a place on: to be written over, or to be sent.
         public Span<byte> At(int at) => bytes.AsSpan(at, Count - at);
 
         public ReadOnlyMemory<byte> From(int at) => bytes.AsMemory(at, Count - at);

@@ -3,7 +3,7 @@
 // Use: start python/09_environment/server.py, open this lesson's scene, press Play. For your own scene: add this
 // component to any GameObject, and agents (Agent.cs) and sensors wherever they belong.
 // Nothing moves while Python thinks: for each step OnTick is called, and physics is simulated for as long. A script
-// moves its FixedUpdate to OnTick. What belongs to no agent has its place here: derive from it.
+// moves its FixedUpdate to OnTick. The world, which belongs to no agent, has its place here: derive from it.
 // A scene may be loaded anew, also by an agent's OnReset: the new scene's GymManager goes on with the connection.
 using System;
 using System.Collections.Generic;
@@ -42,7 +42,7 @@ namespace NetMQExample
         /// <summary>Seconds of a tick. Set it before it is enabled, such as in Awake.</summary>
         public double Dt { get => dt; set => dt = value; }
 
-        /// <summary>Who takes part: agents may come and go.</summary>
+        /// <summary>The agents that take part: they may come and go.</summary>
         protected virtual IReadOnlyList<IAgent> Agents => Agent.All;
 
         /// <inheritdoc/>
@@ -134,7 +134,7 @@ namespace NetMQExample
             Simulator.Others = () => others() + OnInfo;
         }
 
-        // In the order of the hierarchy. What Unity keeps over all scenes comes last.
+        // In the order of the hierarchy. Objects that Unity keeps over all scenes come last.
         private IReadOnlyList<IAgent> Everyone()
         {
             var found = new List<IAgent>();

@@ -46,7 +46,7 @@ namespace NetMQExample
         MessageArray Render();
     }
 
-    /// <summary>What belongs to no agent: the world that they share.</summary>
+    /// <summary>The world that agents share, and that belongs to none of them.</summary>
     public interface IWorld
     {
         /// <summary>Episodes of all agents begin, before any OnReset of theirs.</summary>

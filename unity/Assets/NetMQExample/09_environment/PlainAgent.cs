@@ -11,7 +11,7 @@ namespace NetMQExample
         private AgentState state;
 
         /// <summary>An agent of a name; several may have one, and are then NAME_0, NAME_1 and so on.</summary>
-        /// <param name="name">What Python calls it.</param>
+        /// <param name="name">Its name in Python.</param>
         /// <param name="period">How many ticks one of its steps takes.</param>
         protected PlainAgent(string name = "agent", int period = 1)
         {
@@ -22,7 +22,7 @@ namespace NetMQExample
         /// <inheritdoc/>
         public AgentState AgentState => state ??= new AgentState(name, this, period) { StateSize = StateSize };
 
-        /// <summary>What Python calls it.</summary>
+        /// <summary>Its name in Python.</summary>
         public string Name => AgentState.Name;
 
         /// <inheritdoc/>
@@ -43,7 +43,7 @@ namespace NetMQExample
         /// <summary>The option "state": <see cref="StateSize"/> numbers, or none.</summary>
         protected double[] FirstState => AgentState.FirstState;
 
-        /// <summary>Whatever else Python is to know of this step, by name.</summary>
+        /// <summary>Named infos of this step, for Python.</summary>
         protected IDictionary<string, object> Info => AgentState.Info;
 
         /// <summary>Seconds of one of its steps.</summary>

@@ -51,14 +51,14 @@ namespace NetMQExample
         Last,
     }
 
-    // What a section has.
+    // The columns of a section.
     [Flags]
     internal enum Columns : ushort
     {
         None = 0, Who = 1, Sizes = 16, Form = 32, Ended = 64,
     }
 
-    // What an answer says of a row.
+    // The marks of a row in an answer.
     [Flags]
     internal enum Marks : byte
     {

@@ -40,7 +40,7 @@ namespace NetMQExample
         /// <param name="name">The env_name in Python.</param>
         /// <param name="dt">How many seconds one tick takes.</param>
         /// <param name="agents">All agents of the world.</param>
-        /// <param name="world">What belongs to no agent; null if there is nothing.</param>
+        /// <param name="world">The world, which belongs to no agent; null if there is none.</param>
         /// <param name="sensors">The sensors of the scene, which may come and go as well; null for none.</param>
         public SceneSimulator(string name, double dt, IReadOnlyList<IAgent> agents, IWorld world = null,
             IReadOnlyList<Source> sensors = null)
@@ -230,7 +230,7 @@ namespace NetMQExample
             real.Switch(request.RealTime);
             if (!request.Steps) return;
             Steps += steps.Step(real.On);
-            // Who leaves in the step of its end is seen in it: a frame later there may be nobody.
+            // An agent that leaves in the step of its end is seen in it: a frame later there may be nobody.
             foreach (var row in roster.Rows)
                 if (row.Steps && row.Plays && row.State.Over && !roster.IsThere(row)) row.Last = seen.One(row);
             real.Pass(dt);
@@ -331,7 +331,7 @@ namespace NetMQExample
         private void See(StepRequest request, StepAnswer answer)
         {
             roster.Settle(Loading);
-            // Who has come in the frame that has passed.
+            // Agents that have come in the frame that has passed.
             Episodes += steps.Begin(isNone, default, 0);
             Loading = false;
             for (var i = 0; i < request.Count; i++)
@@ -415,7 +415,7 @@ namespace NetMQExample
                 : roster.Rows.Select(row => row.Present ? row.Agent.Render() : null).ToArray();
             var drawn = Array.Find(each, one => one != null) ?? throw new MessageException("no-picture",
                 $"{Name} draws none: override Render, or tell check_env skip_render_check=True");
-            // Whoever is away, or draws nothing, is black: a picture for each row.
+            // A picture for each row: an agent that is away, or draws nothing, is black.
             foreach (var one in each)
                 picture.Arrays.Add(one ?? new MessageArray(drawn.Dtype, new byte[drawn.Data.Length], drawn.Shape));
             return picture;

@@ -12,7 +12,7 @@ using System.Linq;
 
 namespace NetMQExample
 {
-    /// <summary>What moves the agents of a roster, and their world.</summary>
+    /// <summary>The mover of a roster's agents, and of their world.</summary>
     internal sealed class SceneSteps
     {
         private static readonly IReadOnlyDictionary<string, object> None = new Dictionary<string, object>();
@@ -31,7 +31,7 @@ namespace NetMQExample
             this.dt = dt;
         }
 
-        /// <summary>What belongs to no agent; or null.</summary>
+        /// <summary>The world, which belongs to no agent; or null.</summary>
         public IWorld World { get; set; }
 
         /// <summary>One tick of whatever moves besides the agents and the world.</summary>
@@ -113,7 +113,7 @@ namespace NetMQExample
         private void Begin(AgentRow row, bool again, ReadOnlyMemory<byte> options)
         {
             var told = again && row.Order == Order.Reset;
-            // Who begins by itself begins without options.
+            // An agent that begins by itself begins without options.
             var own = Copy(told ? options : default, row.State.StateSize, out var state);
             var seed = again ? row.Seed : unchecked(roster.Seed + row.Number);
             row.State.Begin(new RandomGenerator(seed), own, state);
@@ -125,7 +125,7 @@ namespace NetMQExample
         private static void OnReset(AgentRow row)
         {
             row.Agent.OnReset();
-            // What it earns before its first step belongs to none.
+            // Rewards before its first step belong to none.
             row.State.Take();
         }
 

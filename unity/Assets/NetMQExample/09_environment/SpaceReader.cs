@@ -56,7 +56,7 @@ namespace NetMQExample
             if (!inside) throw NotInSpace($"{GymSpace.Shown(numbers)} is");
         }
 
-        // What was received goes with its message; in real time it is asked for again after that.
+        // Received bytes go with their message; in real time they are asked for again after that.
         internal void Keep() => row = row.ToArray();
 
         /// <summary>Takes what somebody wants who plays by hand: numbers (double[]), any value of the space, or null,

@@ -78,7 +78,7 @@ namespace NetMQExample
             table.Clear();
         }
 
-        /// <summary>Whose rows these are; called for each row, before anything else.</summary>
+        /// <summary>The agent of a row; called for each row, before anything else.</summary>
         internal void Who(int place) => to.Write((uint)place);
 
         /// <summary>What is said of a row.</summary>

@@ -123,7 +123,7 @@ namespace NetMQExample
         /// <inheritdoc/>
         public override GymSpace Action { get; } = GymSpace.Discrete(Ways.Length);
 
-        // What a hunter has left, and what was earned in this tick.
+        // A hunter's energy, and the reward of this tick.
         internal double Energy { get; private set; } = 1;
 
         internal double Earned { get; set; }
@@ -131,7 +131,7 @@ namespace NetMQExample
         /// <inheritdoc/>
         public override void OnReset()
         {
-            // Who begins anew while the others go on has no place from the world.
+            // A player that begins anew while the others go on has no place from the world.
             if (!begun) Begin(Rng);
             begun = false;
         }
