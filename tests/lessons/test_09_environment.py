@@ -146,32 +146,24 @@ def test_a_picture_shows_the_cart_where_it_is(env):
 # The car of lesson 08
 
 
-def test_the_car_drives_the_same_in_both_languages(inside, make, launch):
-    """To the last bit: it is made of plus, minus, times, divide and square root."""
+def test_the_car_is_one_more_environment(inside, make, launch):
+    """Lesson 10's tests drive it in both languages, to the last bit."""
     wheres = {"socket": inside(simulated("Car")).socket}, {"launch": launch("csharp", "--world", "Car")}
-    envs = [make("NetMQExample/Car-v0", **where) for where in wheres]
-    # In this one it leaves the road; then it brakes.
-    for seed, pedal, most in ((7, 0.8, 1000), (1, -0.5, 5)):
-        actions = np.random.default_rng(seed)
-        seen = [env.reset(seed=seed)[0] for env in envs]
-        over, metres, steps = False, 0.0, 0
-        while not over and steps < most:
-            assert np.array_equal(*seen)
-            action = np.array([actions.uniform(-0.4, 0.4), pedal], np.float32)
-            (mine, *said), (theirs, *others_said) = (env.step(action) for env in envs)
-            assert said == others_said
-            seen, over, metres, steps = [mine, theirs], said[1] or said[2], metres + said[0], steps + 1
-        assert said[3]["metres"] == pytest.approx(metres)
-        assert (said[1], abs(mine[0]) > 1) == (most == 1000,) * 2, "beside the road the episode ends"
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        check_env(envs[1].unwrapped, skip_render_check=True, skip_close_check=True)
-    for env in envs:
+    for env in (make("NetMQExample/Car-v0", disable_env_checker=True, **where) for where in wheres):
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            check_env(env.unwrapped, skip_render_check=True, skip_close_check=True)
         for state in (-1, -0.5, float("nan"), float("inf"), 2000):
             with pytest.raises(MessageError, match="bad-state: the road has the points 0 to 1999"):
                 env.reset(options={"state": np.array([state])})
         for state in (0, 1999):
             env.reset(options={"state": [state]})
+        # Straight on, until it is beside the road.
+        metres, over, info = 0.0, False, {}
+        while not over:
+            seen, reward, over, _, info = env.step(np.array([0, 1], np.float32))
+            metres += reward
+        assert info["metres"] == pytest.approx(metres) and abs(seen[0]) > 1
 
 
 def test_the_car_may_see_pictures(make, launch):

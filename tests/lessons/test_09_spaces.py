@@ -43,13 +43,26 @@ from netmq_example.errors import Refused  # noqa: E402
 from netmq_example.messages import Message, MessageError  # noqa: E402
 from netmq_example.scene import Agent, Obs, Scene, SceneSimulator  # noqa: E402
 from netmq_example.wire import trees  # noqa: E402
-from netmq_example.wire.records import ASKS, RESET, STEP, Record, Section, read, seeds  # noqa: E402
-from netmq_example.wire.space_bytes import Bytes  # noqa: E402
-from netmq_example.wire.spaces import (  # noqa: E402
-    described,
-    misfit,
-    space_of,
+from netmq_example.wire.records import (  # noqa: E402
+    ANSWERS,
+    ASKS,
+    ENDED,
+    GROUPS,
+    IDS,
+    MASKS,
+    RESET,
+    SEEN,
+    SIZES,
+    STEP,
+    WHO,
+    Record,
+    Section,
+    read,
+    rewards_in,
+    seeds,
 )
+from netmq_example.wire.space_bytes import Bytes  # noqa: E402
+from netmq_example.wire.spaces import described, misfit, space_of  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 
 GOLDEN = json.loads((ROOT / "tests" / "lessons" / "golden" / "09_environment.json").read_text(encoding="utf-8"))
@@ -293,11 +306,50 @@ def test_python_agrees_with_the_golden_bytes():
     assert Record(ASKS, 2**40, [section], said=trees.write({"say": 1})).frame().hex() == entry["asks"][1]
 
 
+def test_each_column_stands_where_the_table_says():
+    """By hand, also those that no side sends yet: two rows of kind 1, which have 3 choices."""
+    head = struct.pack("<BBHIqII", ANSWERS, 1 | 8, 1, 0, 7, 2, 5) + b"ab".ljust(8, b"\0") + b"other".ljust(8, b"\0")
+    columns = {
+        WHO: struct.pack("<2I", 4, 2),
+        IDS: struct.pack("<2i", -1, 9),
+        GROUPS: struct.pack("<2i2f", 1, 0, 0.5, 2),
+        MASKS: b"\1\0\1\0\1\1\0\0",
+        SIZES: struct.pack("<2I", 3, 2),
+        ENDED: b"",
+    }
+    begin = struct.pack("<HHIIIII", 1, sum(columns), 2, 1, 5, 3, 0) + struct.pack("<2d2B6x", 0.5, -1, SEEN | 1, SEEN)
+    values = b"abcde\0\0\0" + struct.pack("<2I", 1, 3) + b"xyz\0\0\0\0\0"
+    frame = head + begin + b"".join(columns.values()) + values
+    record = read(ANSWERS, frame, [2, 3])
+    (section,) = record.sections
+    assert (record.id, record.bits, bytes(record.said), bytes(record.exchange)) == (7, 9, b"ab", b"other")
+    assert (section.kind, list(section.whose()), rewards_in(section)) == (1, [4, 2], (0.5, -1))
+    assert [bytes(part) for part in (section.ids, section.groups)] == [columns[IDS], columns[GROUPS]]
+    assert bytes(section.masks) == columns[MASKS][:6]
+    assert [bytes(row) for row in section.rows(ANSWERS)] == [b"abc", b"de"]
+    assert [(row, bytes(data)) for row, data in section.each_info()] == [(1, b"xyz")]
+    assert record.frame() == frame
+    # Cut anywhere, or with masks of nobody knows how many, it is none.
+    for wrong, choices in (*((frame[:at], [2, 3]) for at in range(len(frame))), (frame, []), (frame, [2, 20])):
+        with pytest.raises(MessageError, match=r"^bad-record: "):
+            read(ANSWERS, wrong, choices)
+
+
 def test_csharp_agrees_with_the_golden_bytes(program):
     assert dict(line.split() for line in said_by(program, "spaces")) == GOLDEN["spaces"]
     lines = [f"{entry['space']} {entry['agents']} {' '.join(entry['asks'])}" for entry in GOLDEN["records"]]
     for entry, answer in zip(GOLDEN["records"], said_by(program, "rows", lines=lines), strict=True):
         assert answer == entry["says"], entry["name"]
+
+
+def test_a_golden_record_that_is_cut_anywhere_is_none(program):
+    right = [entry for entry in GOLDEN["records"] if not entry["says"].startswith("error")]
+    whole = {(entry["space"], entry["agents"], ask) for entry in right for ask in entry["asks"]}
+    cut = [(*words, ask[:at]) for *words, ask in sorted(whole) for at in range(2, len(ask), 2)]
+    assert {*said_by(program, "rows", lines=[" ".join(map(str, words)) for words in cut])} == {"error bad-record"}
+    for *_, digits in cut:
+        with pytest.raises(MessageError, match=r"^bad-record: "):
+            read(ASKS, bytes.fromhex(digits))
 
 
 def stepped(name, row):

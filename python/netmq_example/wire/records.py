@@ -267,6 +267,9 @@ def read_section(kind: int, view: memoryview, at: int, choices: Sequence[int]) -
         raise bad(f"{values} bytes are no {rows} rows")
     section.values = view[at : at + values]
     at += values + -values % 8
+    # Columns have moved it.
+    if at + 8 * infos + info_bytes > size:
+        raise bad("it ends too early")
     if infos or info_bytes:
         section.table = view[at : at + 8 * infos]
         section.infos = view[at + 8 * infos : at + 8 * infos + info_bytes]
