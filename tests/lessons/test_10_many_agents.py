@@ -138,7 +138,7 @@ def info(value):
 
 
 def without_lists(infos):
-    """Infos of one agent's environment, its own and its scene's, are lists always; a vector's are there if not empty."""
+    """Infos of one agent's environment, its own and its scene's, are lists always; a vector's if they are not empty."""
     assert all(one in ([], None) for name in ("env", "agent") if name in infos for one in infos[name])
     finals = {"final_info": without_lists(infos["final_info"])} if "final_info" in infos else {}
     return {**{name: infos[name] for name in infos if name.strip("_") not in ("env", "agent")}, **finals}

@@ -34,8 +34,8 @@ class Kind:
         # Then what is seen comes as locators and values.
         self.located = not self.in_code or self.observation is None
         count = len(names)
-        # By row: the agent, the last one, whether its episode goes on, and whether Python knows that it has left; and the
-        # rows that have yet to begin.
+        # By row: the agent, the last one, whether its episode goes on, whether Python knows that it has left; and rows
+        # that have yet to begin.
         self.present: list[Agent | None] = [None] * count
         self.last: list[Agent | None] = [None] * count
         self.begun = [False] * count

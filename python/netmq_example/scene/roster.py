@@ -1,4 +1,4 @@
-"""The rows of a scene, and who has them. Names are decided at the hello; then agents come and go. It needs gymnasium."""
+"""The rows of a scene, and who has them. Names are decided at the hello; agents come and go. It needs gymnasium."""
 
 import re
 from collections.abc import Iterator
