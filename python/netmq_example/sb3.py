@@ -88,7 +88,7 @@ class UnityVecEnv(VecEnv):  # type: ignore[misc, unused-ignore]
         return [said_of(infos, agent) for agent in range(self.num_envs)]
 
     def ended(self, infos: dict[str, Any], agents: list[int], by_time: Any) -> list[dict[str, Any]]:
-        """Infos of the last step of their episodes; those of the next episode's first observation are in reset_infos."""
+        """Infos of the last step of their episodes; those with the first observation of the next are in reset_infos."""
         said = list(self.said)
         self.reset_infos = list(self.reset_infos)
         for agent in agents:

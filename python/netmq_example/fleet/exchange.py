@@ -56,7 +56,7 @@ PARAMETERS = {
 
 
 class Playing:
-    """The agents that play in a scene. When all reset at once, an episode begins, and what was before is over. That holds
+    """The agents that play in a scene. When all reset at once, an episode begins, and what was before is over. It holds
     for those that have left, too: in another simulator they may be there, as they were at the end of its last episode.
     """
 

@@ -73,7 +73,7 @@ class Exchange(Steps):
         return Asked(kind, section)
 
     def end(self) -> None:
-        """An agent that is over is observed a last time, also if it has left in the same step. Then the roster looks."""
+        """An agent that is over is observed a last time, also if it has left in the same step."""
         for one in self.asked:
             kind = one.kind
             ended: dict[int, Agent] = {}
