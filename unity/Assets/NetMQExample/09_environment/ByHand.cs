@@ -35,17 +35,47 @@ namespace NetMQExample
             {
                 // Not before all agents of the scene are there.
                 simulator.Describe();
-                simulator.BeginByHand(seed);
+                BeginAll();
                 begun = true;
             }
-            var (reward, over) = simulator.StepByHand(heuristic);
+            var (reward, over) = Step();
             steps++;
             total += reward;
             if (!over) return;
             Debug.Log(FormattableString.Invariant($"by hand: {steps} steps, return {total:F1}"));
             steps = 0;
             total = 0;
-            simulator.BeginByHand(++seed);
+            seed++;
+            BeginAll();
+        }
+
+        private void BeginAll()
+        {
+            foreach (var kind in simulator.Roster.Kinds) kind.Asked = true;
+            foreach (var row in simulator.Roster.Rows) (row.Order, row.Seed) = (Order.Reset, seed + row.Number);
+            SceneSimulator.Inside(() => simulator.Moves.Begin(row => true, default, seed));
+        }
+
+        // The rewards of all, and whether all are over.
+        private (double Reward, bool Over) Step()
+        {
+            var rows = simulator.Roster.Rows;
+            simulator.Roster.Settle(false);
+            foreach (var row in rows)
+            {
+                row.Order = Order.Step;
+                if (row.Lives) row.Take(heuristic(row.Agent));
+            }
+            SceneSimulator.Inside(() => simulator.Moves.Step() + simulator.Moves.Begin(row => false, default, 0));
+            var reward = 0.0;
+            foreach (var row in rows.FindAll(row => row.Present))
+            {
+                reward += row.State.Take().Reward;
+                // Nobody reads them.
+                row.State.TakeInfo();
+                row.State.ForgetInfo();
+            }
+            return (reward, !rows.Exists(row => row.Lives));
         }
     }
 }

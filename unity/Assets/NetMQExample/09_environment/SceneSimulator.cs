@@ -22,9 +22,8 @@ namespace NetMQExample
         private readonly SceneSteps steps;
         private readonly RealTimeClock real = new RealTimeClock();
         private readonly InfoList infos = new InfoList();
-        private readonly SeenRows seen = new SeenRows();
+        private readonly SceneRows rows;
         private readonly Stopwatch since = new Stopwatch();
-        private readonly List<AgentRow> shown = new List<AgentRow>();
         // Made once: a new one for each step would be garbage.
         private readonly Func<AgentRow, bool> isOrdered, hasEnded, isNone;
         // An agent judges in its Update: then each step needs a frame.
@@ -52,6 +51,7 @@ namespace NetMQExample
             roster = new AgentRoster(dt, agents, sensors ?? new Source[0])
             { Refuse = (agent, why) => Refuse(agent, why) };
             steps = new SceneSteps(roster, dt) { World = world, Anew = infos.Clear };
+            rows = new SceneRows(roster);
             isOrdered = row => row.Order == Order.Reset;
             hasEnded = row => row.Order == Order.Reset || row.Ended;
             isNone = row => false;
@@ -179,38 +179,7 @@ namespace NetMQExample
 
         internal IAgent Find(string name) => roster.Find(name);
 
-        /// <summary>Begins all agents, for somebody who plays by hand.</summary>
-        internal void BeginByHand(long seed)
-        {
-            foreach (var kind in roster.Kinds) kind.Asked = true;
-            foreach (var row in roster.Rows) (row.Order, row.Seed) = (Order.Reset, seed + row.Number);
-            Inside(() => steps.Begin(isOrdered, default, seed));
-        }
-
-        /// <summary>A step of those that act, for somebody who plays by hand.</summary>
-        /// <returns>The rewards of all, and whether all are over.</returns>
-        internal (double Reward, bool Over) StepByHand(Func<IAgent, object> heuristic)
-        {
-            roster.Settle(false);
-            foreach (var row in roster.Rows)
-            {
-                row.Order = Order.Step;
-                if (row.Lives) row.Take(heuristic(row.Agent));
-            }
-            Inside(() => steps.Step() + steps.Begin(isNone, default, 0));
-            var total = 0.0;
-            foreach (var row in roster.Rows.Where(row => row.Present))
-            {
-                total += row.State.Take().Reward;
-                // Nobody reads them.
-                row.State.TakeInfo();
-                row.State.ForgetInfo();
-            }
-            infos.Clear();
-            return (total, !roster.Rows.Any(row => row.Lives));
-        }
-
-        private static void Inside(Func<int> work)
+        internal static void Inside(Func<int> work)
         {
             AgentState.Inside = true;
             try { work(); }
@@ -225,62 +194,17 @@ namespace NetMQExample
             loadedBefore = Loads();
             roster.Settle(false);
             Steps += CatchUpTo(dt);
-            Ask(request);
+            rows.Ask(request, real.On);
+            if (!idle && request.Count < roster.Kinds.Count)
+                Warn($"nobody asks for {string.Join(", ", rows.Idle())}: they stand still");
+            idle |= request.Count < roster.Kinds.Count;
             LookForLate();
             real.Switch(request.RealTime);
             if (!request.Steps) return;
             Steps += steps.Step(real.On);
-            // An agent that leaves in the step of its end is seen in it: a frame later there may be nobody.
-            foreach (var row in roster.Rows)
-                if (row.Steps && row.Plays && row.State.Over && !roster.IsThere(row)) row.Last = seen.One(row);
+            rows.SeeLeaving();
             real.Pass(dt);
             frameLeft = framed;
-        }
-
-        private void Ask(StepRequest request)
-        {
-            foreach (var kind in roster.Kinds) kind.Asked = false;
-            foreach (var row in roster.Rows)
-            {
-                row.Order = Order.Nothing;
-                row.New = row.BeganNow = row.Shown = row.Ended = false;
-                row.Acts &= real.On;
-                row.Last = default;
-            }
-            for (var i = 0; i < request.Count; i++) Ask(request, request[i]);
-            if (idle || request.Count == roster.Kinds.Count) return;
-            idle = true;
-            var names = roster.Kinds.Where(kind => !kind.Asked).Select(kind => kind.Name);
-            Warn($"nobody asks for {string.Join(", ", names)}: they stand still");
-        }
-
-        private void Ask(StepRequest request, RequestSection section)
-        {
-            var kind = section.Kind < roster.Kinds.Count ? roster.Kinds[section.Kind] : null;
-            if (kind == null || kind.Asked)
-                throw new MessageException("wrong-agents",
-                    $"kind {section.Kind} is none, or asked for twice: there are {roster.Kinds.Count}");
-            if (section.Count != kind.Rows.Count)
-                throw new MessageException("wrong-agents",
-                    $"{section.Count} rows, but there are {kind.Rows.Count} agents of {kind.Name}");
-            kind.Asked = true;
-            var form = section.Form.Length > 0 && kind.Action == null ? MessageTree.Form(section.Form) : null;
-            var first = true;
-            for (var i = 0; i < section.Count; i++)
-            {
-                var row = kind.Rows[i];
-                row.Order = section.OrderOf(i);
-                row.Seed = section.Seed(i);
-                if (row.Steps && row.Present && !row.Begun && !row.Born)
-                    throw new MessageException("wrong-agents",
-                        $"{row.Name} is over, or has not begun: reset comes first");
-                // One that has left does not act, and the answer says so.
-                if (row.Steps && row.Plays) row.Read(section.Row(i), form, request.RealTime);
-                if (row.Order != Order.Reset || !first) continue;
-                first = false;
-                // What is wrong with them is said before anything moves.
-                SceneSteps.Copy(request.Options, row.State?.StateSize ?? 0, out _);
-            }
         }
 
         // After the step: who has ended is seen a last time, and who is to begin begins. Whether anybody did.
@@ -289,43 +213,12 @@ namespace NetMQExample
             roster.Settle(Loading);
             LookForLate();
             Loading = false;
-            for (var i = 0; i < request.Count; i++) End(roster.Kinds[request[i].Kind], request.Autoreset, answer);
+            for (var i = 0; i < request.Count; i++)
+                rows.End(roster.Kinds[request[i].Kind], request.Autoreset, answer);
             var begun = steps.Begin(request.Autoreset ? hasEnded : isOrdered, request.Options, request[0].Seed(0));
             Episodes += begun;
             if (begun > 0 && !request.Steps) real.Restart();
             return begun > 0;
-        }
-
-        private void End(AgentKind kind, bool autoreset, StepAnswer answer)
-        {
-            shown.Clear();
-            foreach (var row in kind.Rows)
-            {
-                if (!row.Steps || !row.Begun || !row.Present && row.Last.Bytes == null) continue;
-                if (row.Order == Order.Last) row.State.Truncate();
-                if (row.State.Over) shown.Add(row);
-            }
-            if (shown.Count == 0) return;
-            // Before others begin, which might change what it sees.
-            if (!autoreset)
-                foreach (var row in shown) row.Last = row.Last.Bytes == null ? seen.One(row) : row.Last;
-            else WriteEnded(kind, answer);
-        }
-
-        private void WriteEnded(AgentKind kind, StepAnswer answer)
-        {
-            answer.BeginSection(kind.Place, shown.Count, Columns.Who | Columns.Ended);
-            foreach (var row in shown) answer.Who(row.Place);
-            seen.Write(kind, shown, answer);
-            for (var i = 0; i < shown.Count; i++)
-            {
-                var (reward, ends) = shown[i].State.Take();
-                answer.Set(i, reward, (Marks)ends | Marks.Seen, shown[i].State.TakeInfo());
-                shown[i].State.ForgetInfo();
-                shown[i].Ended = shown[i].Told = true;
-                shown[i].Begun = false;
-            }
-            answer.EndSection();
         }
 
         private void See(StepRequest request, StepAnswer answer)
@@ -334,38 +227,9 @@ namespace NetMQExample
             // Agents that have come in the frame that has passed.
             Episodes += steps.Begin(isNone, default, 0);
             Loading = false;
-            for (var i = 0; i < request.Count; i++)
-            {
-                var kind = roster.Kinds[request[i].Kind];
-                answer.BeginSection(kind.Place, kind.Rows.Count, Columns.None);
-                shown.Clear();
-                foreach (var row in kind.Rows)
-                {
-                    row.Shown = row.Present ? row.Order != Order.Nothing || row.New : row.Last.Bytes != null;
-                    if (row.Shown) shown.Add(row);
-                }
-                seen.Write(kind, shown, answer);
-                foreach (var row in kind.Rows)
-                    if (!row.Present || row.Order != Order.Nothing || row.New) Tell(row, row.Place, answer);
-                answer.EndSection();
-            }
+            for (var i = 0; i < request.Count; i++) rows.See(roster.Kinds[request[i].Kind], answer);
             var said = infos.Take();
             answer.Infos = said == null ? null : MessageTree.Write(said);
-        }
-
-        // What is said of a row: its reward, its marks, and its infos.
-        private static void Tell(AgentRow row, int at, StepAnswer answer)
-        {
-            var (reward, ends) = row.State?.Take() ?? (0, 0);
-            // An end is told once; one in an OnReset belongs to the first step.
-            if (!row.Begun || row.New || row.Present && !row.Steps) ends = 0;
-            var mark = (Marks)ends | (row.Present ? 0 : Marks.Absent) | (row.Shown ? Marks.Seen : 0);
-            if (row.Present && row.New) mark |= Marks.New;
-            row.Told = !row.Present || ends != 0;
-            // From now on it must be reset.
-            if (row.Told) row.Begun = false;
-            answer.Set(at, reward, mark, row.State?.TakeInfo());
-            row.State?.ForgetInfo();
         }
 
         private int CatchUpTo(double but)

@@ -1,0 +1,134 @@
+// Lesson 09, the rows of a request, and those of its answer, as Records.cs says. In Python: scene/exchange.py.
+using System.Collections.Generic;
+using System.Linq;
+
+namespace NetMQExample
+{
+    /// <summary>Reads what is asked of the agents of a roster, and writes what is known of them.</summary>
+    internal sealed class SceneRows
+    {
+        private readonly AgentRoster roster;
+        private readonly SeenRows seen = new SeenRows();
+        private readonly List<AgentRow> shown = new List<AgentRow>();
+
+        public SceneRows(AgentRoster roster) => this.roster = roster;
+
+        /// <summary>Takes a request, and checks all of it.</summary>
+        public void Ask(StepRequest request, bool real)
+        {
+            foreach (var kind in roster.Kinds) kind.Asked = false;
+            foreach (var row in roster.Rows)
+            {
+                row.Order = Order.Nothing;
+                row.New = row.BeganNow = row.Shown = row.Ended = false;
+                row.Acts &= real;
+                row.Last = default;
+            }
+            for (var i = 0; i < request.Count; i++) Ask(request, request[i]);
+        }
+
+        private void Ask(StepRequest request, RequestSection section)
+        {
+            var kind = section.Kind < roster.Kinds.Count ? roster.Kinds[section.Kind] : null;
+            if (kind == null || kind.Asked)
+                throw new MessageException("wrong-agents",
+                    $"kind {section.Kind} is none, or asked for twice: there are {roster.Kinds.Count}");
+            if (section.Count != kind.Rows.Count)
+                throw new MessageException("wrong-agents",
+                    $"{section.Count} rows, but there are {kind.Rows.Count} agents of {kind.Name}");
+            kind.Asked = true;
+            var form = section.Form.Length > 0 && kind.Action == null ? MessageTree.Form(section.Form) : null;
+            var first = true;
+            for (var i = 0; i < section.Count; i++)
+            {
+                var row = kind.Rows[i];
+                row.Order = section.OrderOf(i);
+                row.Seed = section.Seed(i);
+                if (row.Steps && row.Present && !row.Begun && !row.Born)
+                    throw new MessageException("wrong-agents",
+                        $"{row.Name} is over, or has not begun: reset comes first");
+                // One that has left does not act, and the answer says so.
+                if (row.Steps && row.Plays) row.Read(section.Row(i), form, request.RealTime);
+                if (row.Order != Order.Reset || !first) continue;
+                first = false;
+                // What is wrong with them is said before anything moves.
+                SceneSteps.Copy(request.Options, row.State?.StateSize ?? 0, out _);
+            }
+        }
+
+        /// <summary>The kinds that nobody asks for.</summary>
+        public IEnumerable<string> Idle() => roster.Kinds.Where(kind => !kind.Asked).Select(kind => kind.Name);
+
+        /// <summary>An agent that leaves in the step of its end is seen in it: a frame later there
+        /// may be nobody.</summary>
+        public void SeeLeaving()
+        {
+            foreach (var row in roster.Rows)
+                if (row.Steps && row.Plays && row.State.Over && !roster.IsThere(row)) row.Last = seen.One(row);
+        }
+
+        /// <summary>Those that have ended are seen a last time, and with the autoreset said to have.</summary>
+        public void End(AgentKind kind, bool autoreset, StepAnswer answer)
+        {
+            shown.Clear();
+            foreach (var row in kind.Rows)
+            {
+                if (!row.Steps || !row.Begun || !row.Present && row.Last.Bytes == null) continue;
+                if (row.Order == Order.Last) row.State.Truncate();
+                if (row.State.Over) shown.Add(row);
+            }
+            if (shown.Count == 0) return;
+            // Before others begin, which might change what it sees.
+            if (!autoreset)
+                foreach (var row in shown) row.Last = row.Last.Bytes == null ? seen.One(row) : row.Last;
+            else WriteEnded(kind, answer);
+        }
+
+        private void WriteEnded(AgentKind kind, StepAnswer answer)
+        {
+            answer.BeginSection(kind.Place, shown.Count, Columns.Who | Columns.Ended);
+            foreach (var row in shown) answer.Who(row.Place);
+            seen.Write(kind, shown, answer);
+            for (var i = 0; i < shown.Count; i++)
+            {
+                var (reward, ends) = shown[i].State.Take();
+                answer.Set(i, reward, (Marks)ends | Marks.Seen, shown[i].State.TakeInfo());
+                shown[i].State.ForgetInfo();
+                shown[i].Ended = shown[i].Told = true;
+                shown[i].Begun = false;
+            }
+            answer.EndSection();
+        }
+
+        /// <summary>What is now.</summary>
+        public void See(AgentKind kind, StepAnswer answer)
+        {
+            answer.BeginSection(kind.Place, kind.Rows.Count, Columns.None);
+            shown.Clear();
+            foreach (var row in kind.Rows)
+            {
+                row.Shown = row.Present ? row.Order != Order.Nothing || row.New : row.Last.Bytes != null;
+                if (row.Shown) shown.Add(row);
+            }
+            seen.Write(kind, shown, answer);
+            foreach (var row in kind.Rows)
+                if (!row.Present || row.Order != Order.Nothing || row.New) Tell(row, row.Place, answer);
+            answer.EndSection();
+        }
+
+        // What is said of a row: its reward, its marks, and its infos.
+        private static void Tell(AgentRow row, int at, StepAnswer answer)
+        {
+            var (reward, ends) = row.State?.Take() ?? (0, 0);
+            // An end is told once; one in an OnReset belongs to the first step.
+            if (!row.Begun || row.New || row.Present && !row.Steps) ends = 0;
+            var mark = (Marks)ends | (row.Present ? 0 : Marks.Absent) | (row.Shown ? Marks.Seen : 0);
+            if (row.Present && row.New) mark |= Marks.New;
+            row.Told = !row.Present || ends != 0;
+            // From now on it must be reset.
+            if (row.Told) row.Begun = false;
+            answer.Set(at, reward, mark, row.State?.TakeInfo());
+            row.State?.ForgetInfo();
+        }
+    }
+}
