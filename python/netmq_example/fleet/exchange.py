@@ -96,7 +96,8 @@ class Exchange:
         self.autoreset = bool(request.bits & AUTORESET)
         self.before = b"".join(parameters.values())
         if request.exchange:
-            parameters |= parameters_in(bytes(request.exchange))
+            parameters = parameters | parameters_in(bytes(request.exchange))
+        self.parameters = parameters
         self.after = b"".join(parameters.values())
         # Answers of those scenes whose episode is over, and another one begins.
         self.ended: dict[int, Record] = {}

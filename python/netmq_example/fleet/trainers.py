@@ -87,6 +87,8 @@ class Trainer:
         except MessageError as error:
             self.refuse(error)
             return
+        if self.exchange:
+            self.parameters = self.exchange.parameters
         self.left = set(parts)
         for area, part in parts.items():
             self.ask(area, part)
@@ -136,7 +138,7 @@ class Trainer:
         here = {area: episode.size for area, episode in enumerate(self.episodes) if episode}
         for area, part in parts.items():
             here[area] = size_of(part) + (0 if begins(part) else here[area])
-        size = sum(here.values())
+        size = sum(here.values()) + (len(self.exchange.after) if self.exchange else 0)
         if size > self.room():
             cure = "end them sooner (max_episode_steps), or train with fewer areas"
             raise MessageError("too-much", f"the hub keeps episodes until they end, and has no more room: {cure}")
