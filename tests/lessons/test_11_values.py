@@ -212,6 +212,9 @@ def test_a_key_that_nothing_writes_is_named_at_reset_also_in_a_dict(world):
     env = world(scene=Scene("Cars", [car]), observation_space=deep)
     with pytest.warns(UserWarning) as told:
         seen, _ = env.reset(seed=1)
+    with pytest.warns(UserWarning, match="^nothing writes 'agent_0'@") as many:
+        world(scene=seeing(np.zeros(2), np.zeros(2)), kind=UnityVectorEnv, num_envs=2, observation_space=deep).reset()
+    assert len(many) == 2, "of one for all"
     places = "nothing writes 'agent'@['extra']: ", "nothing writes 'agent'@['deep']['b']: "
     assert len(told) == 2 and all(str(one.message).startswith(place) for one, place in zip(told, places, strict=True))
     assert seen["deep"]["a"].tolist() == [1, 0]

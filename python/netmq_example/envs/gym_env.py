@@ -75,7 +75,6 @@ class UnityGymEnv(MadeAnew, Rendered, gymnasium.Env[Any, Any]):
         self.kind: Kind | None = None
         # Whether an episode is under way.
         self.begun = False
-        self.warned = False
         self.remote = Remote(env_name, self.use, file_name, **where)
         self.simulators = self.remote.simulators
         self.show(self.remote, render_mode, views, view_endpoint)
@@ -114,9 +113,7 @@ class UnityGymEnv(MadeAnew, Rendered, gymnasium.Env[Any, Any]):
                 raise MessageError("unknown-agent", f"agent {self.agent_name} is not in the scene now")
             self.seen.take(section, begins={self.row})
             seen = self.seen.one(self.row)
-        if not self.warned:
-            self.warned = True
-            self.seen.warn(self.row)
+        self.seen.warn([self.row])
         self.begun = True
         info = self.info(answer)
         self.filmed(begins=True)

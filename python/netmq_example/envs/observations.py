@@ -9,7 +9,7 @@ Whatever is returned is fresh: its user may change it. An agent of whom nothing 
 """
 
 import importlib
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from typing import Any
 
 import numpy as np
@@ -94,5 +94,5 @@ class Rows:
     def use(self, agents: dict[int, str], spaces: dict[str, Space[Any]]) -> None:
         """All have one space."""
 
-    def warn(self, agent: int) -> None:
+    def warn(self, agents: Iterable[int]) -> None:
         """An observation in code is always whole."""

@@ -94,7 +94,6 @@ class UnityParallelEnv(MadeAnew, Rendered, ParallelEnv):  # type: ignore[misc, u
         self.agents: list[str] = []
         # Whether an episode is under way: all may be over in it, and one may come yet.
         self.begun = False
-        self.warned = False
         self.random, _ = seeding.np_random()
         # When the next tick is due, in real time.
         self.next = 0.0
@@ -162,7 +161,8 @@ class UnityParallelEnv(MadeAnew, Rendered, ParallelEnv):  # type: ignore[misc, u
         self.next = time.monotonic() + self.dt
         self.begun = True
         self.agents = list(outcomes)
-        self.warn()
+        for team in self.teams:
+            team.seen.warn(row for row, agent in team.agents.items() if agent in outcomes)
         self.filmed(begins=True)
         return by_agent(outcomes, 0), by_agent(outcomes, 4)
 
@@ -244,16 +244,6 @@ class UnityParallelEnv(MadeAnew, Rendered, ParallelEnv):  # type: ignore[misc, u
             for team, row, agent in rows
             if agent in self.agents
         }
-
-    def warn(self) -> None:
-        """Once, of what nobody has written by then."""
-        if self.warned:
-            return
-        self.warned = True
-        for team in self.teams:
-            for row, agent in team.agents.items():
-                if agent in self.agents:
-                    team.seen.warn(row)
 
     def own_picture(self, pictures: list[Any]) -> Any:
         return pictures[0]

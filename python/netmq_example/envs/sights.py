@@ -4,7 +4,7 @@ It needs gymnasium and numpy.
 """
 
 import contextlib
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from typing import Any
 
 from gymnasium.spaces import Space
@@ -30,6 +30,7 @@ class Sights:
         self.values: Any = b""
         # The observation that was read last, until somebody takes it.
         self.fresh: Any = None
+        self.warned = False
 
     def take(self, section: Section, begins: Collection[int] = NOBODY) -> None:
         if section.columns & FORM and all_seen(section, len(self.sights)):
@@ -82,7 +83,10 @@ class Sights:
         self.sync()
         return self.sights[agent].again()
 
-    def warn(self, agent: int) -> None:
-        """Name what nothing of its last row writes."""
-        self.sync()
-        self.sights[agent].warn()
+    def warn(self, agents: Iterable[int]) -> None:
+        """Once, name what nothing of their last rows writes."""
+        if not self.warned:
+            self.warned = True
+            self.sync()
+            for agent in agents:
+                self.sights[agent].warn()

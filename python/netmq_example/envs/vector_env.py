@@ -153,6 +153,8 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
         self.episodes.plant(seed, mask)
         with refused_reset(self):
             seen = self.begin(mask, options)
+        # Of all the first one: they are of one kind.
+        self.seen.warn([0])
         self.filmed(begins=True)
         return seen, self.infos.gathered()
 

@@ -6,8 +6,8 @@
 //     half -                      what is made of half a character
 //     keep COUNT                  what is left of so many messages that nobody took
 //
-// And `settings EXCHANGE`, what Unity has then, `steps --endpoint ENDPOINT`, a simulator of lesson 09, `plain --endpoint
-// ENDPOINT`, the same without side channels, and `pictures ENDPOINT COUNT`.
+// And `settings EXCHANGE`, what Unity has then, `steps --endpoint ENDPOINT`, a simulator of lesson 09,
+// `plain --endpoint ENDPOINT`, the same without side channels, and `pictures ENDPOINT COUNT`.
 using System;
 using System.Collections.Generic;
 using System.Globalization;

@@ -38,8 +38,10 @@ namespace NetMQExample.Tests
 
         public override GymSpace Action => sure ? Words : null;
 
-        public override GymSpace Observation => !sure ? null : GymSpace.Dict(("said", GymSpace.Sequence(Words)),
-            ("ticks", GymSpace.Discrete(1000)), ("value", GymSpace.Box(new double[] { -9, -9 }, new double[] { 9, 9 })));
+        public override GymSpace Observation => !sure ? null : GymSpace.Dict(
+            ("said", GymSpace.Sequence(Words)),
+            ("ticks", GymSpace.Discrete(1000)),
+            ("value", GymSpace.Box(-9, 9, 2)));
 
         public override void OnReset()
         {
