@@ -66,7 +66,7 @@ def needs(*modules):
     return pytest.mark.skipif(bool(lacking), reason=f"needs a package: pip install {' '.join(lacking)}")
 
 
-@needs("stable_baselines3")
+@needs("stable_baselines3", "torch")
 def test_a_pole_is_learnt_and_filmed(folder):
     assert re.search(r"^512 steps: \d+ of 500$", run(POLE, folder), re.MULTILINE)
     if importlib.util.find_spec("moviepy"):
@@ -74,7 +74,7 @@ def test_a_pole_is_learnt_and_filmed(folder):
         assert [*(folder / "films").glob("*.mp4")]
 
 
-@needs("stable_baselines3")
+@needs("stable_baselines3", "torch")
 def test_a_scene_of_ones_own_is_learnt_the_same_in_both_languages(folder):
     (line,) = re.findall("^LAUNCH = .*$", DRONES, re.MULTILINE)
     programs = [DRONES, DRONES.replace(line, IN_THE_PLAYER)][: 2 if shutil.which("dotnet") else 1]
@@ -82,7 +82,7 @@ def test_a_scene_of_ones_own_is_learnt_the_same_in_both_languages(folder):
     assert len(learnt[0]) == 1 and all(each == learnt[0] for each in learnt)
 
 
-@needs("stable_baselines3")
+@needs("stable_baselines3", "torch")
 def test_attributes_are_learnt(folder):
     run(f"{COINS}{PLAIN}env.close()\n", folder)
 

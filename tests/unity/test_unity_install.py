@@ -239,9 +239,10 @@ def test_one_lesson_takes_only_what_it_uses():
     scripts = [*PACKAGE.glob("[0-9]*/*.cs"), *PACKAGE.glob("Shared/*.cs")]
     code = {path.name: script_code(path) for path in scripts}
     # A member named like a class is another thing, also where it is given by its name.
-    members = r"\b(?!new\b|public\b|internal\b)\w+ (\w+)(?: { get|\()"
+    members = r"\b(?!(?:new|return|public|internal|private)\b)(\w+) (?!\1\b)(\w+)(?: { get|\(|;)"
     words = {
-        name: {*re.findall(r"(?<![\w.])\w+\b(?!:)|\.\w+(?=\()", text)} - {*re.findall(members, text)}
+        name: {*re.findall(r"(?<![\w.])\w+\b(?!:)|\.\w+(?=\()", text)}
+        - {member for _, member in re.findall(members, text)}
         for name, text in code.items()
     }
     # An extension method is called as if it were another class's.
