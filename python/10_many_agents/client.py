@@ -3,7 +3,7 @@
     python python/10_many_agents/client.py                                hunters and rabbits, until it is closed
     python python/10_many_agents/client.py --world CartPole --areas 16    sixteen poles on sixteen carts
     python python/10_many_agents/client.py --world Car --areas 16         sixteen of lesson 08's cars, each on its road
-    python python/10_many_agents/client.py --count 3                      leave after so many games, or episodes of agents
+    python python/10_many_agents/client.py --count 3                      leave after so many games or episodes
 
 Bytes: records, see netmq_example/wire/records.py.
 """
