@@ -1,4 +1,4 @@
-"""Lesson 11, films: render modes, views and the calls that a script of gymize makes, of all three environments.
+"""Lesson 11, films: render modes, views and the calls that a script of gymize makes, of each environment.
 
 Known defects of gymize that are tests here: a video that could not be encoded was None, without a word; a folder
 `tmp` beside the video was deleted; waiting for several views gave {}, or some of them.
@@ -22,7 +22,7 @@ gymnasium = pytest.importorskip("gymnasium", reason="lesson 11 needs gymnasium: 
 np = pytest.importorskip("numpy", reason="lesson 11 needs numpy: kit.py run 11 installs it")
 pytest.importorskip("pettingzoo", reason="lesson 11 needs pettingzoo: kit.py run 10 installs it")
 
-from netmq_example.envs import UnityAECEnv, UnityGymEnv, UnityParallelEnv, UnityVectorEnv, rendering  # noqa: E402
+from netmq_example.envs import UnityAECEnv, UnityGymEnv, UnityParallelEnv, UnityVectorEnv, views  # noqa: E402
 from netmq_example.scene import Agent, Obs, Scene, SceneSimulator  # noqa: E402
 from tests.lessons.test_12_films import Game  # noqa: E402
 from tests.lessons.test_12_video import shown  # noqa: E402
@@ -183,18 +183,30 @@ def test_what_the_scene_draws_itself_is_its_picture_and_needs_no_view(kind, coun
         env.render()
 
 
-def test_each_agent_of_a_vector_has_its_picture_and_who_is_away_a_black_one(inside, make):
-    counters = [Counter() for _ in range(3)]
-    for number, one in enumerate(counters):
-        one.render = lambda number=number: np.full((2, 4, 3), 10 + number, np.uint8)
+def test_each_agent_of_a_vector_has_its_picture_and_who_is_away_or_draws_none_a_black_one(inside, make):
+    counters = [Counter() for _ in range(4)]
+    for number, one in enumerate(counters[1:], 11):
+        one.render = lambda number=number: np.full((2, 4, 3), number, np.uint8)
     scene = Scene("Count", counters, 0.1)
-    env = make(UnityVectorEnv, socket=inside(SceneSimulator(scene)).socket, num_envs=3, render_mode="rgb_array")
+    env = make(UnityVectorEnv, socket=inside(SceneSimulator(scene)).socket, num_envs=4, render_mode="rgb_array")
     env.reset()
-    scene.remove(counters[1])
-    assert [seen[0, 0, 0] for seen in env.render()] == [10, 0, 12]
-    single = make(socket=inside(SceneSimulator(scene)).socket, agent_name="agent_2", render_mode="rgb_array")
+    scene.remove(counters[2])
+    assert [seen[0, 0, 0] for seen in env.render()] == [0, 11, 0, 13]
+    single = make(socket=inside(SceneSimulator(scene)).socket, agent_name="agent_3", render_mode="rgb_array")
     single.reset()
-    assert single.render()[0, 0, 0] == 12
+    assert single.render()[0, 0, 0] == 13
+
+
+def test_so_it_is_in_csharp(checks, make):
+    words = ["dotnet", checks, "observations", "world", *["agent"] * 4]
+    ticks = gymnasium.spaces.Dict(ticks=gymnasium.spaces.Discrete(100))
+    given = {"observation_space": ticks, "action_space": gymnasium.spaces.Text(9, min_length=0)}
+    env = make(
+        UnityVectorEnv, env_name="World", socket=None, launch=words, num_envs=4, render_mode="rgb_array", **given
+    )
+    env.reset()
+    env.step(("", "", "leave", ""))
+    assert [(*seen.shape, seen[0, 0, 0]) for seen in env.render()] == [(2, 4, 3, light) for light in (0, 11, 0, 13)]
 
 
 def test_a_list_has_each_picture_of_an_episode_or_since_it_was_begun_once(make):
@@ -293,7 +305,7 @@ def test_what_cannot_be_filmed_is_named(make):
 
 
 def test_a_scene_without_a_view_says_what_to_add(make, monkeypatch):
-    monkeypatch.setattr(rendering, "WAIT_SECONDS", 0.1)
+    monkeypatch.setattr(views, "WAIT_SECONDS", 0.1)
     env = make(render_mode="video", shows=False)
     env.reset()
     env.step(1)

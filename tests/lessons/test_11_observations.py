@@ -250,6 +250,7 @@ def test_pettingzoos_test_finds_nothing_by_attributes(make, world):
     parallel_api_test(make(UnityParallelEnv, env_name="World", launch=world("a", "b", "c"), **words), num_cycles=10)
 
 
+@pytest.mark.filterwarnings("ignore:nothing writes")
 def test_sixteen_are_each_what_one_alone_is(make, world):
     """Also where their forms differ, and where C# says the space."""
     one = make(env_name="World", launch=world("a"), **GIVEN)
@@ -288,6 +289,7 @@ def alone(one_world):
     return one_world
 
 
+@pytest.mark.filterwarnings("ignore:nothing writes")
 def test_what_is_said_and_earned_between_two_steps_is_told_once_or_forgotten_at_the_reset(alone):
     send = alone.unwrapped.send_info
     for word in ("reward 1", "all 7", "reward 2"):

@@ -17,13 +17,14 @@ namespace NetMQExample.Tests
 
     internal static class World
     {
+        public static readonly List<IAgent> Agents = new();
         public static readonly List<Source> Others = new();
 
         public static void Run(string endpoint, IEnumerable<string> names)
         {
-            var agents = names.Select(name => new Told(name)).ToArray();
+            Agents.AddRange(names.Select(name => new Told(name)));
             using var client = new EnvironmentClient(endpoint, TimeSpan.FromSeconds(20), Console.WriteLine);
-            client.Run(new SceneSimulator("World", 0.5, agents, sensors: Others), 0, answer => answer());
+            client.Run(new SceneSimulator("World", 0.5, Agents, sensors: Others), 0, answer => answer());
         }
     }
 
@@ -67,6 +68,7 @@ namespace NetMQExample.Tests
                 case "reward": AddReward(Number(rest[0])); break;
                 case "all": SetReward(Number(rest[0])); break;
                 case "info": SendInfo(rest[0]); break;
+                case "leave": World.Agents.Remove(this); break;
                 case "say":
                     foreach (var word in rest) See(".said[]", () => word);
                     break;
@@ -79,6 +81,10 @@ namespace NetMQExample.Tests
                 case "throw": throw new InvalidOperationException("as it was told");
             }
         }
+
+        // As bright as its number says.
+        public override MessageArray Render() => Name.EndsWith("_0", StringComparison.Ordinal) ? null
+            : new MessageArray("uint8", Enumerable.Repeat((byte)(10 + Name.Last() - '0'), 24).ToArray(), 2, 4, 3);
 
         private static double Number(string text) =>
             text == "nan" ? double.NaN : double.Parse(text, CultureInfo.InvariantCulture);
