@@ -304,13 +304,15 @@ def test_what_cannot_be_filmed_is_named(make):
     assert env.render().shape == (24, 32, 3)
 
 
-def test_a_scene_without_a_view_says_what_to_add(make, monkeypatch):
+@pytest.mark.parametrize("mode", ["video", "rgb_array"])
+def test_a_scene_without_a_view_says_what_to_add_and_goes_on(mode, make, monkeypatch):
     monkeypatch.setattr(views, "WAIT_SECONDS", 0.1)
-    env = make(render_mode="video", shows=False)
+    env = make(render_mode=mode, shows=False)
     env.reset()
-    env.step(1)
-    with pytest.raises(TimeoutError, match=r"^no view came to tcp://127.*: add a ViewRecorder with this Endpoint"):
-        env.begin_render()
+    for call in (env.begin_render, env.render) if mode == "rgb_array" else (env.begin_render,):
+        with pytest.raises(TimeoutError, match=r"^no view came to tcp://127.*: add a ViewRecorder with this Endpoint"):
+            call()
+    assert env.step(1)[0]["steps"] == 1
 
 
 def test_a_film_goes_on_when_its_game_is_gone_and_in_the_one_that_comes_then(make, show, caplog):
