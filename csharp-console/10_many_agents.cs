@@ -3,7 +3,7 @@
 //     dotnet run --project csharp-console -- 10                                hunters and rabbits, until it is closed
 //     dotnet run --project csharp-console -- 10 --world CartPole --areas 16    sixteen poles on sixteen carts
 //     dotnet run --project csharp-console -- 10 --world Car --areas 16         sixteen of lesson 08's cars
-//     dotnet run --project csharp-console -- 10 --count 3                      leave after so many games, or episodes of agents
+//     dotnet run --project csharp-console -- 10 --count 3                      leave after so many games or episodes
 using System;
 using System.Linq;
 
