@@ -311,6 +311,12 @@ def test_what_no_message_takes_is_refused_before_it_is_sent(value, code):
         (spaces.Tuple([spaces.Discrete(2)]), [1, 1], "x: list [1, 1] is not in Tuple"),
         (spaces.Sequence(spaces.Discrete(2)), [1, 5], "x[1]: int 5 is not in Discrete(2)"),
         (spaces.Sequence(spaces.Discrete(2)), "10", "x: str '10' is not in Sequence"),
+        (spaces.Sequence(spaces.Dict(a=spaces.Discrete(2)), stack=True), {}, "x: dict {} is not in Sequence"),
+        (
+            spaces.Sequence(spaces.Dict(a=spaces.Discrete(2), b=spaces.Discrete(2)), stack=True),
+            {"a": [1]},
+            "x: dict {'a': [1]} is not in Sequence",
+        ),
         (spaces.Graph(spaces.Discrete(2), None), [1], "x: list [1] is not in Graph"),
         (
             spaces.Graph(spaces.Discrete(2), spaces.Discrete(2)),

@@ -120,16 +120,6 @@ GRAPH = spaces.Graph(spaces.Box(-9, 9, (1,), np.float32), spaces.Box(-9, 9, (1,)
 NODES, EDGES = np.zeros((2, 1), np.float32), np.zeros((1, 1), np.float32)
 
 
-def test_an_action_with_a_part_too_few_is_named():
-    pairs = spaces.Sequence(spaces.Dict(a=ONE, b=ONE), stack=True)
-    with pytest.raises(MessageError, match=r"^not-in-space: go: dict "):
-        fit.fitted(pairs, {"a": NODES}, "go")
-
-
-def test_nothing_is_an_empty_text(world):
-    assert world(spaces.Text(9, min_length=0), seeing(None)).reset(seed=1)[0]["x"] == ""
-
-
 @pytest.mark.parametrize("stack", [False, True])
 @pytest.mark.parametrize(
     ("feature", "items"),

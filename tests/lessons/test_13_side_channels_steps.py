@@ -6,10 +6,17 @@ import re
 
 import pytest
 
+from netmq_example.mlagents_envs.side_channel.environment_parameters_channel import EnvironmentParametersChannel
+from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
+from netmq_example.mlagents_envs.side_channel.stats_side_channel import StatsSideChannel
 from tests.conftest import PYTHON
 from tests.lessons.test_13_side_channels_bytes import RUNTIMES
 from tests.programs import ROOT, finished
 from tests.unity.test_unity_play import needs_mono
+
+gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
+from netmq_example import envs  # noqa: E402
+from netmq_example.envs import UnityGymEnv, carry  # noqa: E402
 
 KEY = "13_side_channels"
 
@@ -55,12 +62,6 @@ EnvironmentClient(sys.argv[sys.argv.index("--endpoint") + 1], timeout=20).run(si
 @pytest.fixture
 def moon(make, tmp_path):
     """moon(*words): an environment that launches such a simulator, and its channels."""
-    pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
-    from netmq_example.envs import UnityGymEnv, carry
-    from netmq_example.mlagents_envs.side_channel.environment_parameters_channel import EnvironmentParametersChannel
-    from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
-    from netmq_example.mlagents_envs.side_channel.stats_side_channel import StatsSideChannel
-
     (tmp_path / "moon.py").write_text(MOON, encoding="utf-8")
 
     def made(*words, kind=UnityGymEnv, **more):
@@ -95,7 +96,6 @@ def test_what_is_set_before_a_reset_is_there_in_it_and_what_a_step_records_comes
 
 
 def test_the_example_prints_what_the_page_says():
-    pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
     page = (ROOT / "docs" / "guide" / f"{KEY}.md").read_text(encoding="utf-8")
     said = re.findall(r"^gravity .* m/s$", page, re.MULTILINE)
     done = finished([PYTHON, ROOT / "python" / KEY / "falling_ball.py"])
@@ -123,8 +123,6 @@ def test_what_was_said_to_a_lost_simulator_is_said_to_the_next_one(moon):
 @pytest.mark.parametrize("kind", ["UnityVectorEnv", "UnityParallelEnv", "UnityAECEnv"])
 def test_many_agents_carry_them_as_well(kind, moon, tmp_path):
     pytest.importorskip("pettingzoo", reason="lesson 10 needs pettingzoo: kit.py run 10 installs it")
-    from netmq_example import envs
-
     count = {"num_envs": 2} if kind == "UnityVectorEnv" else {}
     words = PYTHON, tmp_path / "moon.py", "--count", "2"
     env, parameters, stats, said = moon(*words, kind=getattr(envs, kind), **count)
@@ -145,12 +143,9 @@ def test_many_agents_carry_them_as_well(kind, moon, tmp_path):
 
 
 def test_a_vector_that_gymnasium_makes_is_refused_with_the_cure():
-    gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
-    from netmq_example.envs.side_channels import carry
-
-    envs = gymnasium.vector.SyncVectorEnv([lambda: gymnasium.make("CartPole-v1")])
+    many = gymnasium.vector.SyncVectorEnv([lambda: gymnasium.make("CartPole-v1")])
     with pytest.raises(TypeError, match=r"^SyncVectorEnv is not of this package: carry where each environment"):
-        carry(envs, None)
+        carry(many, None)
 
 
 @pytest.mark.parametrize("kind", ["python", "csharp"])
