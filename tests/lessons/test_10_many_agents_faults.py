@@ -187,7 +187,7 @@ def test_a_wrong_answer_of_many_is_named(what, inside, make):
     wrong, text = WRONG_ANSWERS[what]
 
     def answer(request):
-        given = wrong if request.has(STEP) else {}
+        given: Any = wrong if request.has(STEP) else {}
         now = Section(0, given.get("numbers", rewards([1, 1])), bytes([SEEN] * 2))
         with_infos(with_sizes(now, given.get("rows", [bytes(16)] * 2)), given.get("infos", {}))
         ended = with_sizes(Section(0, rewards([1]), bytes([SEEN]), columns=ENDED | WHO), [bytes(16)])

@@ -25,7 +25,7 @@ namespace NetMQExample.Tests
             var office = new Office();
             foreach (var parts in names.Split(' ').Select(name => name.Split(':')))
                 office.Clerks.Add(new Clerk(parts[0], office, parts.Length > 1 ? Program.Whole(parts[1]) : 1)
-                    { IsBlind = parts.Length > 2 });
+                { IsBlind = parts.Length > 2 });
             var simulator = new SceneSimulator("Office", Dt, office.Clerks, office)
             {
                 Warn = Console.WriteLine,
