@@ -3,6 +3,7 @@
 import gc
 import re
 import warnings
+from typing import Any
 
 import pytest
 import zmq
