@@ -71,7 +71,8 @@ def game(path: str | os.PathLike[str]) -> str:
             if not os.access(file, os.X_OK):
                 os.chmod(file, 0o755)
             return os.path.abspath(file)
-    raise FileNotFoundError(f"no game at {path}: there is neither this file nor {path}{ending}")
+    cure = "; the .NET SDK brings it: https://dot.net" if path == "dotnet" else ""
+    raise FileNotFoundError(f"no game at {path}: there is neither this file nor {path}{ending}{cure}")
 
 
 def start_program(words: Sequence[str], views: str = "") -> subprocess.Popen[bytes]:
@@ -100,6 +101,8 @@ def why_ended(process: subprocess.Popen[bytes] | None) -> str:
         return ""
     # In a notebook its own words are in another window.
     by_hand = shell(*process.args)  # type: ignore[misc]
+    if not code:
+        return f"the simulator ended with code 0, and never said hello: does it call run? {by_hand} in {os.getcwd()}"
     return f"the simulator ended with code {code}: in {os.getcwd()}, {by_hand} shows why"
 
 

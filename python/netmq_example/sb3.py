@@ -109,6 +109,8 @@ class UnityVecEnv(VecEnv):  # type: ignore[misc, unused-ignore]
         """Of each agent what it may do now. AttributeError: nobody says it."""
         if isinstance(self.seen, dict) and "action_mask" in self.seen:
             return row_of(self.seen["action_mask"], (self.num_envs, -1))
+        if not self.said:
+            raise ValueError("nobody has said what may be done: call reset first")
         if not all("action_mask" in one for one in self.said):
             raise AttributeError("no action_mask is in what the agents see, and not in each one's info")
         return np.stack([row_of(one["action_mask"], (-1,)) for one in self.said])

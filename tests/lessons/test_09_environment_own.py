@@ -51,7 +51,7 @@ REFUSED = {
     "key": ({"options": {"low": {1: 2}}}, "option 'low' cannot be sent: the keys of a dict are texts, not 1"),
     "endless": ({"options": {"low": ENDLESS}}, "option 'low' cannot be sent: it is no text, or has no end"),
     "text": ({"options": "abc"}, "options must be a dict"),
-    "seed in options": ({"options": {"seed": 3}}, "options must be a dict, without seed"),
+    "seed in options": ({"options": {"seed": 3}}, "options have no seed: write reset"),
 }
 SENT = {"none": None, "list": [1, 2.5, True], "float32": np.float32(0.5), "long": "x" * 70_000, "dict": {"ä": ["ö"]}}
 

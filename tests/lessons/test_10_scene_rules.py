@@ -12,7 +12,7 @@ import pytest
 
 np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: kit.py run 9 installs it")
 pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
-from gymnasium.spaces import Box, Dict, Discrete, Text  # noqa: E402
+from gymnasium.spaces import Box, Dict, Discrete, MultiBinary, Text  # noqa: E402
 
 from netmq_example.messages import Message  # noqa: E402
 from netmq_example.scene import Agent, Obs, Scene, SceneSimulator  # noqa: E402
@@ -323,6 +323,39 @@ def test_a_mistake_in_an_agent_is_told_in_one_line_and_it_goes_on(caplog):
     assert "1 / cod.ticks" in caplog.text and caplog.text.count("Traceback") == 1, "its author sees where it is"
     cod.ticks = 1
     assert rewards_in(asks.all(STEP).sections[0]) == (1.0,)
+
+
+@pytest.mark.parametrize(
+    ("seen", "said"),
+    [
+        ({"calls": [0, 1, 1]}, "it lacks 'floor'; the keys are calls, floor"),
+        ({"calls": [0, 1, 1], "floor": 1, "door": 1}, "it has 'door'; the keys are calls, floor"),
+        ({"calls": [0, 1], "floor": 1}, "['calls']: int8 (2,) [0, 1] is not in MultiBinary(3)"),
+        ({"calls": None, "floor": 1}, "['calls']: object () None is not in MultiBinary(3)"),
+        ({"calls": [0, 1, 1], "floor": 7}, "['floor']: int64 () 7 is not in Discrete(3)"),
+    ],
+)
+def test_a_part_that_is_wrong_is_named(seen, said):
+    class Lift(Agent):
+        observation = Dict(calls=MultiBinary(3), floor=Discrete(3))
+        action = Discrete(2)
+
+        def observe(self):
+            return seen
+
+    assert Asks(SceneSimulator(Scene("House", [Lift("lift")]))).all(RESET) == f"not-in-space: {said}"
+
+
+def test_a_method_that_nobody_calls_is_no_secret():
+    with pytest.warns(UserWarning, match=r"^nobody calls Lift\.on_act: Agent has on_reset, on_action, on_tick, "):
+
+        class Lift(Agent):
+            def on_act(self, action): ...
+
+    with pytest.warns(UserWarning, match=r"^nobody calls House\.on_step: Scene has on_reset, on_tick, on_stepped, "):
+
+        class House(Scene):
+            def on_step(self): ...
 
 
 def test_half_a_request_is_none():

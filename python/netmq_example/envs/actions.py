@@ -9,6 +9,7 @@ The side that has declared a space checks what is said in it. So what C# has dec
 and dtype alone: the simulator refuses the rest before anything moves.
 """
 
+import contextlib
 import functools
 import importlib
 from collections.abc import Callable, Sequence
@@ -107,6 +108,10 @@ class Actions:
         if action in space:
             return action
         near = nearest(space, action)
+        if near is None and self.plan and space is not self.batch:
+            # A number for an array of one, and whatever else loses nothing.
+            with contextlib.suppress(MessageError):
+                return self.plan.fitted(space, action, "action")
         if near is None:
             raise self.refused(space, action)
         return near
@@ -116,7 +121,8 @@ class Actions:
             return error
         # One agent's own space is a copy.
         words = "action {} is" if space == self.space else "actions {} are"
-        return ValueError(f"{words.format(shown(action))} not in {shown(space)}")
+        place, part, wrong = misplaced(space, action)
+        return ValueError(f"{words.format(place + shown(wrong))} not in {shown(part)}")
 
     def asked(self, ask: Callable[[Any], Any], space: Space[Any], action: Any) -> Any:
         """`ask(action)`, and once more if the simulator refuses what rounding alone has taken out of the space."""
@@ -129,6 +135,19 @@ class Actions:
             if near is None:
                 raise self.refused(space, action) from None
         return ask(near)
+
+
+def misplaced(space: Any, action: Any, place: str = "") -> tuple[str, Any, Any]:
+    """Where in an action it is that does not fit, its space, and what stands there."""
+    keys: Any = ()
+    if isinstance(space, spaces.Dict) and isinstance(action, dict) and action.keys() == space.spaces.keys():
+        keys = list(action)
+    elif isinstance(space, spaces.Tuple) and isinstance(action, tuple | list) and len(action) == len(space):
+        keys = range(len(space))
+    for key in keys:
+        if action[key] not in space[key]:
+            return misplaced(space[key], action[key], f"{place}[{key!r}]")
+    return f"{place}: " if place else "", space, action
 
 
 def nearest(space: Any, action: Any) -> Any:

@@ -63,8 +63,10 @@ def no_others(words: dict[str, object]) -> None:
 
 def checked_options(options: Any) -> dict[str, Any]:
     options = {} if options is None else options
-    if not isinstance(options, Mapping) or "seed" in options:
-        raise ValueError(f"options must be a dict, without seed, which is reset's own: {options!r:.80}")
+    if not isinstance(options, Mapping):
+        raise ValueError(f"options must be a dict, not {options!r:.80}")
+    if "seed" in options:
+        raise ValueError("options have no seed: write reset(seed=…)")
     return dict(options)
 
 

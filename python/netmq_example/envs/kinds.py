@@ -130,7 +130,7 @@ def agreed(kind: Kind, which: str, given: Space[Any] | None) -> Space[Any]:
     """The space that both sides mean: one of them says it, or both the same. ValueError names where they differ."""
     said: Space[Any] | None = getattr(kind, which)
     if said is None and given is None:
-        cure = f"give {which}_space here, or override {which.capitalize()} in C#"
+        cure = f"give {which}_space here, or let the scene say it: {which.capitalize()} in C#, {which} in Python"
         raise ValueError(f"nobody says what the {which} of {kind.name} is: {cure}")
     if said is not None and given is not None and said != given:
         raise ValueError(f"the {which} of {kind.name} is {first_difference(said, given, '')}")

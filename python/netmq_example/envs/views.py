@@ -120,7 +120,9 @@ class Renderer:
             return views
         except TimeoutError:
             at = self.films.game.endpoint
-            cure = "add a ViewRecorder with this Endpoint, and a camera, to the scene"
+            cure = (
+                "let the scene draw itself (Render, in Python render), or add a ViewRecorder with this Endpoint to it"
+            )
             raise Timeout(f"no view came to {at}: {cure}") from None
 
     def names(self, there: Mapping[str, Any]) -> dict[str, str]:

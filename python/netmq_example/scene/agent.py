@@ -14,6 +14,7 @@ Without `observation` or `action` Python's side says which space it is. In C# it
 """
 
 import importlib
+import warnings
 from dataclasses import dataclass
 from typing import Any, Self, get_type_hints
 
@@ -86,6 +87,10 @@ class Agent:
     _infos: Infos
     _earned: float
 
+    def __init_subclass__(cls, **words: Any) -> None:
+        super().__init_subclass__(**words)
+        warn_of_slips(cls, Agent)
+
     # Here and not in __init__, which a class of your own may have without calling this one's.
     def __new__(cls, *_: Any, **__: Any) -> Self:
         agent = super().__new__(cls)
@@ -121,6 +126,14 @@ class Agent:
     def send_info(self, info: Any) -> None:
         """Tell Python something, with the next answer."""
         self._infos.send(info)
+
+
+def warn_of_slips(kind: type, base: type) -> None:
+    """A method that is never called would be silent."""
+    for name in vars(kind):
+        if name.startswith("on_") and not hasattr(base, name):
+            known = ", ".join(each for each in vars(base) if each.startswith("on_"))
+            warnings.warn(f"nobody calls {kind.__name__}.{name}: {base.__name__} has {known}", stacklevel=4)
 
 
 def begin(agent: Agent, rng: Draws, options: dict[str, Any], state: list[float]) -> None:

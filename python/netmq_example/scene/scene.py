@@ -12,12 +12,16 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from netmq_example import arguments, check
-from netmq_example.scene.agent import Agent, Infos
+from netmq_example.scene.agent import Agent, Infos, warn_of_slips
 from netmq_example.wire.split_mix import Draws
 
 
 class Scene:
     """`dt` is how many seconds a tick takes."""
+
+    def __init_subclass__(cls, **words: Any) -> None:
+        super().__init_subclass__(**words)
+        warn_of_slips(cls, Scene)
 
     def __init__(
         self, name: str, agents: Iterable[Agent], dt: float = 0.02, at_most: Mapping[str, int] | None = None

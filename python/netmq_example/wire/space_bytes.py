@@ -8,6 +8,7 @@ In C# they are SpaceReader.cs and SpaceWriter.cs. It needs gymnasium and numpy.
 """
 
 import struct
+from collections.abc import Mapping
 from collections.abc import Sequence as Items
 from typing import Any
 
@@ -122,6 +123,7 @@ class Whole(Codec):
 
     def __init__(self, keys: list[str] | None, parts: list[Codec]) -> None:
         self.keys = keys
+        self.known = {*(keys or ())}
         self.parts = parts
         sizes = [part.size for part in parts]
         self.size = None if None in sizes else sum(sizes)
@@ -131,14 +133,23 @@ class Whole(Codec):
             if len(value) != len(self.parts):
                 raise ValueError(f"{len(value)} parts are not {len(self.parts)}")
             return value
+        if not isinstance(value, Mapping):
+            raise ValueError(f"{type(value).__name__} is no dict")
+        if value.keys() != self.known:
+            lacks = [key for key in self.keys if key not in value]
+            why = f"it lacks {lacks[0]!r}" if lacks else f"it has {next(iter(value.keys() - self.known))!r}"
+            raise MessageError("not-in-space", f"{why}; the keys are {', '.join(self.keys)}")
         return [value[key] for key in self.keys]
 
     def whole(self, values: list[Any]) -> Any:
         return tuple(values) if self.keys is None else dict(zip(self.keys, values, strict=True))
 
     def write(self, value: Any, parts: list[bytes]) -> None:
-        for part, item in zip(self.parts, self.each(value), strict=True):
-            part.write(item, parts)
+        for number, (part, item) in enumerate(zip(self.parts, self.each(value), strict=True)):
+            try:
+                part.write(item, parts)
+            except REASONS as error:
+                raise self.placed(number, error) from None
 
     def read(self, view: memoryview, at: int) -> tuple[Any, int]:
         values = []
@@ -146,10 +157,15 @@ class Whole(Codec):
             try:
                 value, at = part.read(view, at)
             except MessageError as error:
-                place = f"[{(self.keys[number] if self.keys else number)!r}]{'' if error.text[:1] == '[' else ': '}"
-                raise MessageError(error.code, place + error.text) from None
+                raise self.placed(number, error) from None
             values.append(value)
         return self.whole(values), at
+
+    def placed(self, number: int, error: Exception) -> MessageError:
+        """The same error, and in which part."""
+        code, text = (error.code, error.text) if isinstance(error, MessageError) else ("not-in-space", f"{error!s:.80}")
+        place = f"[{(self.keys[number] if self.keys else number)!r}]{'' if text[:1] == '[' else ': '}"
+        return MessageError(code, place + text)
 
     def write_block(self, count: int, values: Any, blocks: list[Any]) -> None:
         for part, items in zip(self.parts, self.each(values), strict=True):

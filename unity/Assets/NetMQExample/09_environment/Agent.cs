@@ -85,7 +85,7 @@ namespace NetMQExample
         protected double[] FirstState => Own.FirstState;
 
         /// <summary>Named infos of this step, for Python.</summary>
-        protected IDictionary<string, object> Info => Own.Info;
+        public IDictionary<string, object> Info => Own.Info;
 
         /// <summary>Seconds of one of its steps.</summary>
         protected double Dt => Own.Dt;

@@ -44,25 +44,25 @@ namespace NetMQExample
         protected double[] FirstState => AgentState.FirstState;
 
         /// <summary>Named infos of this step, for Python.</summary>
-        protected IDictionary<string, object> Info => AgentState.Info;
+        public IDictionary<string, object> Info => AgentState.Info;
 
         /// <summary>Seconds of one of its steps.</summary>
         protected double Dt => AgentState.Dt;
 
         /// <summary>Adds to the reward that goes with the next answer.</summary>
-        protected void AddReward(double more) => AgentState.AddReward(more);
+        public void AddReward(double more) => AgentState.AddReward(more);
 
         /// <summary>Replaces the reward that goes with the next answer.</summary>
-        protected void SetReward(double all) => AgentState.SetReward(all);
+        public void SetReward(double all) => AgentState.SetReward(all);
 
         /// <summary>The episode is over for it: it has reached an end of the world.</summary>
-        protected void Terminate() => AgentState.Terminate();
+        public void Terminate() => AgentState.Terminate();
 
         /// <summary>The episode is over for it, for another reason, such as the time.</summary>
-        protected void Truncate() => AgentState.Truncate();
+        public void Truncate() => AgentState.Truncate();
 
         /// <summary>Tells Python something, with the next answer.</summary>
-        protected void SendInfo(object info) => AgentState.SendInfo(info);
+        public void SendInfo(object info) => AgentState.SendInfo(info);
 
         /// <inheritdoc/>
         public virtual void OnReset() { }

@@ -64,7 +64,7 @@ namespace NetMQExample
 
 #endif
         /// <summary>The next numbers.</summary>
-        public SpaceWriter Add(double[] numbers)
+        public SpaceWriter Add(params double[] numbers)
         {
             foreach (var number in numbers) Add(number);
             return this;
@@ -142,6 +142,8 @@ namespace NetMQExample
                     return;
                 case "dict":
                     var dict = value as IReadOnlyDictionary<string, object> ?? throw Wrong(of, value);
+                    var extra = dict.Count > of.Parts.Length ? dict.Keys.First(key => !of.Keys.Contains(key)) : null;
+                    if (extra != null) throw NotInSpace($"a dictionary with '{extra}'");
                     for (var i = 0; i < of.Parts.Length; i++)
                         Write(of.Parts[i], dict.TryGetValue(of.Keys[i], out var item)
                             ? item : throw NotInSpace($"a dictionary without '{of.Keys[i]}'"));
