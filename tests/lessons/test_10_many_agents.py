@@ -14,7 +14,7 @@ import pytest
 
 from tests.conftest import CLIENTS
 from tests.lessons.conftest import simulated
-from tests.programs import ROOT
+from tests.programs import ROOT, steady_endpoint
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 10 needs gymnasium: kit.py run 10 installs it")
 np = pytest.importorskip("numpy", reason="lesson 10 needs numpy: kit.py run 10 installs it")
@@ -343,6 +343,19 @@ def test_in_a_vector_who_is_away_has_no_rewards_and_no_ends(at_work):
     seen, _, _, truncated, infos = envs.step(("recall", ""))
     assert (truncated.any(), seen["ticks"].tolist(), "lost" in infos) == (False, [[5], [0]], False)
     assert envs.step(("", ""))[1].tolist() == [0.25, 0.25]
+
+
+def test_one_object_may_have_several_agents(start, checks, make):
+    """In Unity: each is a component, with a row of its own, and may be switched off alone."""
+    endpoint = steady_endpoint()
+    start("dotnet", checks, "scene", "Twins", endpoint)
+    env = make(UnityParallelEnv, "Twins", endpoint=endpoint)
+    assert env.reset()[0] == {"agent_0": [0], "agent_1": [0]}
+    seen, rewards, *_ = env.step({"agent_0": 1, "agent_1": 2})
+    assert (seen, rewards) == ({"agent_0": [1], "agent_1": [2]}, {"agent_0": 1, "agent_1": 2})
+    _, _, _, truncated, infos = env.step({"agent_0": 1, "agent_1": 2})
+    assert truncated == {"agent_0": False, "agent_1": True} and infos["agent_1"] == {"lost": "it has left the scene"}
+    assert env.step({"agent_0": 1})[0] == {"agent_0": [3]}
 
 
 @pytest.mark.parametrize(

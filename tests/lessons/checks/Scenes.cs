@@ -6,6 +6,7 @@
 //     dotnet checks.dll scene Racer ENDPOINT [first | channels | lost | VIEW_ENDPOINT]
 //     dotnet checks.dll scene Faller ENDPOINT
 //     dotnet checks.dll scene Arena ENDPOINT
+//     dotnet checks.dll scene Twins ENDPOINT
 //     dotnet checks.dll scene Weather ENDPOINT
 //     dotnet checks.dll scene OwnChannels ENDPOINT
 using System;
@@ -65,6 +66,16 @@ namespace NetMQExample.Tests
                     foreach (var bot in new[] { "leader", "stays", "ends", "ends_off", "off", "led", "destroyed",
                         "respawned", "replaced" })
                         Bot.Spawn(bot);
+                    return;
+                }
+                if (name == "Twins")
+                {
+                    var manager = new MonoBehaviour[] { thing.AddComponent<GymManager>() };
+                    Inspector.Set(manager, "endpoint", endpoint);
+                    Inspector.Set(manager, "envName", "Twins");
+                    thing.AddComponent<Twin>();
+                    thing.AddComponent<Twin>();
+                    thing.SetActive(true);
                     return;
                 }
                 if (name == "gymize")
@@ -245,6 +256,27 @@ namespace NetMQExample.Tests
             AddReward(0.5);
             if (++ticks == 3) Terminate();
         }
+    }
+
+    internal sealed class Twin : Agent
+    {
+        private double sum;
+
+        public override GymSpace Observation { get; } = GymSpace.Box(0, 9, 1);
+
+        public override GymSpace Action { get; } = GymSpace.Discrete(3);
+
+        public override void OnReset() => sum = 0;
+
+        public override void OnAction(SpaceReader action) => sum += action[0];
+
+        public override void OnStepped()
+        {
+            AddReward(sum);
+            if (sum > 3) enabled = false;
+        }
+
+        public override void Observe(SpaceWriter seen) => seen.Add(sum);
     }
 
     internal sealed class Radar : SensorComponent
