@@ -313,8 +313,10 @@ def test_options_that_are_no_dict_are_named(areas, game):
     envs = areas()
     for options in (0, "abc", [1], NAN):
         for each in envs, game:
-            with pytest.raises(ValueError, match=r"^options have no seed: write reset"):
+            with pytest.raises(ValueError, match=r"^options must be a dict, not "):
                 each.reset(options=options)
+            with pytest.raises(ValueError, match=r"^options have no seed: write reset\(seed=…\)$"):
+                each.reset(options={"seed": 1})
             with pytest.raises(ValueError, match=r"^option 'what' cannot be sent: set has no place in a message$"):
                 each.reset(options={"what": {1}})
 
