@@ -78,12 +78,9 @@ namespace NetMQExample
             SpaceNumbers.Array("float32", low, low.Length), SpaceNumbers.Array("float32", high, high.Length));
 
         /// <summary>float32 of a shape, all between the same two numbers.</summary>
-        public static GymSpace Box(double low, double high, params int[] shape)
-        {
-            var count = shape.Aggregate(1, (product, length) => product * length);
-            return Box(SpaceNumbers.Array("float32", Enumerable.Repeat(low, count).ToArray(), shape),
-                SpaceNumbers.Array("float32", Enumerable.Repeat(high, count).ToArray(), shape));
-        }
+        public static GymSpace Box(double low, double high, params int[] shape) => Box(
+            SpaceNumbers.Array("float32", Filled(low, shape), shape),
+            SpaceNumbers.Array("float32", Filled(high, shape), shape));
 
         /// <summary>Arrays of the same dtype and shape as these two, and between them.</summary>
         public static GymSpace Box(MessageArray low, MessageArray high)
@@ -102,16 +99,9 @@ namespace NetMQExample
             new MessageArray("uint8", Enumerable.Repeat((byte)255, height * width * 3).ToArray(), height, width, 3));
 
         /// <summary>Each is 0 or 1.</summary>
-        public static GymSpace MultiBinary(params int[] shape)
-        {
-            var count = shape.Aggregate(1, (product, length) => product * length);
-            return new GymSpace("multi_binary", $"MultiBinary({Shown(shape)})",
-                shape.Select(length => (object)(long)length).ToList())
-            {
-                Numbers = new SpaceNumbers(
-                    "int8", shape, new double[count], Enumerable.Repeat(1.0, count).ToArray()),
-            };
-        }
+        public static GymSpace MultiBinary(params int[] shape) => new GymSpace("multi_binary",
+            $"MultiBinary({Shown(shape)})", shape.Select(length => (object)(long)length).ToList())
+        { Numbers = new SpaceNumbers("int8", shape, Filled(0, shape), Filled(1, shape)) };
 
         /// <summary>Several whole numbers from 0 on, each with a count of its own.</summary>
         public static GymSpace MultiDiscrete(params long[] counts)
@@ -168,6 +158,9 @@ namespace NetMQExample
             new GymSpace(kind, $"{name}({string.Join(", ", parts.Select(part => part.ToString()))})",
                 parts.Select(part => (object)part.description).ToList())
             { Parts = parts };
+
+        private static double[] Filled(double number, int[] shape) =>
+            Enumerable.Repeat(number, shape.Aggregate(1, (product, length) => product * length)).ToArray();
 
         internal static string Shown<T>(IReadOnlyCollection<T> items)
         {

@@ -13,22 +13,11 @@ namespace NetMQExample
         private Action work;
         private ExceptionDispatchInfo mistake;
 
-        /// <summary>Whether Python thinks for less than a frame. The network thread sets this, and what follows.
-        /// </summary>
-        public bool Quick { get; set; }
-
-        /// <summary>Whether it steps.</summary>
-        public bool Stepped { get; set; }
-
-        /// <summary>Whether it has launched the game.</summary>
-        public bool Launched { get; set; }
-
-        /// <summary>What is asked.</summary>
-        public SimulatorBase Simulator { get; set; }
+        // The network thread's to set: whether Python thinks for less than a frame, steps, and has launched the game.
+        public bool Quick, Stepped, Launched;
+        public SimulatorBase Simulator;
 
         /// <summary>Has it done, and waits for that. For the network thread.</summary>
-        /// <param name="action">It may touch the scene.</param>
-        /// <param name="stop">Ends the wait.</param>
         public void Do(Action action, CancellationToken stop)
         {
             lock (turn)
@@ -42,8 +31,7 @@ namespace NetMQExample
             }
         }
 
-        /// <summary>Does what is asked for. For the main thread.</summary>
-        /// <param name="timeout">How many milliseconds to wait for it.</param>
+        /// <summary>Does what is asked for, within so many milliseconds. For the main thread.</summary>
         /// <returns>False if nothing was.</returns>
         public bool DoNext(int timeout)
         {

@@ -12,8 +12,6 @@ namespace NetMQExample
         private int size;
         private long dropped;
 
-        /// <summary>Python gets it with the next answer.</summary>
-        /// <exception cref="MessageException">It has no place in a message.</exception>
         public void Send(object info)
         {
             var one = Observed.Of(info);

@@ -17,23 +17,18 @@ namespace NetMQExample
         private readonly Stopwatch clock = Stopwatch.StartNew();
         private double next;
 
-        /// <summary>Whether time passes by the clock.</summary>
         public bool On { get; private set; }
 
-        /// <summary>Begins, or ends.</summary>
         public void Switch(bool on)
         {
             if (on && !On) Restart();
             On = on;
         }
 
-        /// <summary>From now on, as after a reset.</summary>
         public void Restart() => next = clock.Elapsed.TotalSeconds;
 
-        /// <summary>Whether one more tick is due by now.</summary>
-        /// <param name="seconds">How long it takes.</param>
-        /// <param name="but">All but so many seconds.</param>
-        public bool IsDue(double seconds, double but = 0)
+        /// <summary>Whether one more tick of so many seconds is due, or was before the last ones.</summary>
+        public bool IsDue(double seconds, double but)
         {
             var until = clock.Elapsed.TotalSeconds - but;
             next = Math.Max(next, until - MostSeconds);
@@ -42,7 +37,7 @@ namespace NetMQExample
             return true;
         }
 
-        /// <summary>A tick was done that was asked for.</summary>
+        // A tick was done that was asked for.
         public void Pass(double seconds) => next += seconds;
     }
 }

@@ -148,15 +148,6 @@ namespace NetMQExample
         /// <summary>Whether any agent steps.</summary>
         public bool Steps => Has(Order.Step) || Has(Order.Last);
 
-        /// <summary>The options of a reset, by name.</summary>
-        /// <exception cref="MessageException">They are none.</exception>
-        public Dictionary<string, object> ReadOptions()
-        {
-            if (Options.Length == 0) return new Dictionary<string, object>();
-            return MessageTree.Read(Options) as Dictionary<string, object>
-                ?? throw new MessageException("bad-options", "options are a dict");
-        }
-
         // Mono has no indexer of a ReadOnlySpan.
         internal static byte ByteOf(ReadOnlySpan<byte> bytes) => MemoryMarshal.Read<byte>(bytes);
 
@@ -173,20 +164,16 @@ namespace NetMQExample
         private int[] begins = new int[0];
         private int begin;
 
-        /// <summary>The kind, its place in the hello.</summary>
+        // The kind's place in the hello, and how many rows there are.
         public int Kind { get; private set; }
 
-        public Columns Columns { get; private set; }
-
-        /// <summary>How many rows there are.</summary>
         public int Count { get; private set; }
 
-        /// <summary>The form of all rows, or nothing.</summary>
+        // Of all rows, or nothing.
         public ReadOnlyMemory<byte> Form { get; private set; }
 
         public Order OrderOf(int row) => (Order)StepRequest.ByteOf(frame.Span.Slice(begin + 8 * Count + row));
 
-        /// <summary>The seed of its next episode.</summary>
         public long Seed(int row) => BitConverter.ToInt64(frame.Span.Slice(begin + 8 * row));
 
         /// <summary>Its action; nothing for one that does not step.</summary>
@@ -206,15 +193,16 @@ namespace NetMQExample
             if (from + 24 > frame.Length) throw Early();
             var head = frame.Span.Slice((int)from);
             Kind = BitConverter.ToUInt16(head);
-            Columns = (Columns)BitConverter.ToUInt16(head.Slice(2));
+            var columns = (Columns)BitConverter.ToUInt16(head.Slice(2));
             long count = BitConverter.ToUInt32(head.Slice(4)), values = BitConverter.ToUInt32(head.Slice(12));
             var infos = BitConverter.ToUInt32(head.Slice(8)) | BitConverter.ToUInt32(head.Slice(16))
                 | BitConverter.ToUInt32(head.Slice(20));
             // Looked at before anything is made of it: a frame may claim thousands of millions.
             if (from + 24 + 9 * count + values > frame.Length) throw Early();
             const Columns Both = Columns.Sizes | Columns.Form;
-            if (count == 0 || infos != 0 || (Columns & ~Both) != 0 || Columns == Both)
-                throw StepRequest.Bad($"a section of {count} rows with columns {(int)Columns} cannot be");
+            if (count == 0 || infos != 0 || (columns & ~Both) != 0 || columns == Both)
+                throw StepRequest.Bad($"a section of {count} rows with columns {(int)columns} cannot be");
+            var sized = (columns & Columns.Sizes) != 0;
             Count = (int)count;
             begin = (int)from + 24;
             var at = begin + 8 * count + StepRequest.Up(count);
@@ -225,9 +213,9 @@ namespace NetMQExample
                 if (Acts(row)) acting++;
             }
             var sizes = (int)at;
-            if ((Columns & Columns.Sizes) != 0) at += StepRequest.Up(4L * acting);
+            if (sized) at += StepRequest.Up(4L * acting);
             Form = default;
-            if ((Columns & Columns.Form) != 0)
+            if ((columns & Columns.Form) != 0)
             {
                 if (at + 4 > frame.Length) throw Early();
                 long size = BitConverter.ToUInt32(frame.Span.Slice((int)at));
@@ -237,29 +225,23 @@ namespace NetMQExample
             }
             var end = at + StepRequest.Up(values);
             if (end > frame.Length) throw Early();
-            if (acting == 0 ? values != 0 : (Columns & Columns.Sizes) == 0 && values % acting != 0)
+            if (acting == 0 ? values != 0 : !sized && values % acting != 0)
                 throw StepRequest.Bad($"{values} bytes are no {acting} rows");
-            FindRows(at, at + values, sizes, acting == 0 ? 0 : (int)(values / acting));
-            return end;
-        }
-
-        private bool Acts(int row) => OrderOf(row) == Order.Step || OrderOf(row) == Order.Last;
-
-        private void FindRows(long at, long end, int sizes, int each)
-        {
+            // Where each row begins.
             if (begins.Length < Count + 1) begins = new int[Count + 1];
-            var sized = (Columns & Columns.Sizes) != 0;
-            for (var row = 0; row < Count; row++)
+            var valuesEnd = at + values;
+            for (var row = 0; row < Count && at <= valuesEnd; row++)
             {
                 begins[row] = (int)at;
                 if (!Acts(row)) continue;
-                at += sized ? BitConverter.ToUInt32(frame.Span.Slice(sizes)) : each;
+                at += sized ? BitConverter.ToUInt32(frame.Span.Slice(sizes)) : values / acting;
                 sizes += 4;
-                if (at > end) throw StepRequest.Bad("its rows have other sizes");
             }
             begins[Count] = (int)at;
-            if (at != end) throw StepRequest.Bad("its rows have other sizes");
+            return at == valuesEnd ? end : throw StepRequest.Bad("its rows have other sizes");
         }
+
+        private bool Acts(int row) => OrderOf(row) == Order.Step || OrderOf(row) == Order.Last;
 
         private static MessageException Early() => StepRequest.Bad("it ends too early");
     }

@@ -31,18 +31,17 @@ namespace NetMQExample
             this.dt = dt;
         }
 
-        /// <summary>The world, which belongs to no agent; or null.</summary>
+        // It may be null.
         public IWorld World { get; set; }
 
-        /// <summary>One tick of whatever moves besides the agents and the world.</summary>
+        // One tick of whatever moves besides the agents and the world.
         public Action Physics { get; set; } = () => { };
 
-        /// <summary>Called when all begin because Python says so, before anything else.</summary>
+        // Called when all begin because Python says so, before anything else.
         public Action Anew { get; set; } = () => { };
 
-        /// <summary>A step of all that have an action.</summary>
-        /// <param name="real">In real time each tick is a step of everybody, with the last action.</param>
-        /// <returns>Of how many agents.</returns>
+        /// <summary>A step of all that have an action; how many these are. In real time each tick is a step of
+        /// everybody, with the last action.</summary>
         public int Step(bool real = false)
         {
             acting.Clear();
@@ -70,12 +69,8 @@ namespace NetMQExample
             return acting.Count;
         }
 
-        /// <summary>Begins episodes.</summary>
-        /// <param name="again">Of these, and of all that have come; an OnReset may bring others, who have their turn
-        /// then.</param>
-        /// <param name="options">Of each that is told to, a copy.</param>
-        /// <param name="seed">That of the first agent, of whom all of the world comes.</param>
-        /// <returns>How many.</returns>
+        /// <summary>Begins the episodes of these, and of all that have come; how many these are. An OnReset may bring
+        /// others, who have their turn then. The seed is the first agent's, of whom all of the world comes.</summary>
         public int Begin(Func<AgentRow, bool> again, ReadOnlyMemory<byte> options, long seed)
         {
             beginning.Clear();
@@ -103,7 +98,12 @@ namespace NetMQExample
                         && row.Agent != null && row.Came && roster.Exists(row.Agent))) turn.Add(row);
                 if (turn.Count == 0) break;
                 foreach (var row in turn) Begin(row, beginning.Remove(row), options);
-                foreach (var row in turn) OnReset(row);
+                foreach (var row in turn)
+                {
+                    row.Agent.OnReset();
+                    // Rewards before its first step belong to none.
+                    row.State.Take();
+                }
                 count += turn.Count;
                 roster.Settle(false);
             }
@@ -120,13 +120,6 @@ namespace NetMQExample
             row.Begun = row.BeganNow = roster.Started = true;
             row.Born = row.Told = false;
             row.New = !told;
-        }
-
-        private static void OnReset(AgentRow row)
-        {
-            row.Agent.OnReset();
-            // Rewards before its first step belong to none.
-            row.State.Take();
         }
 
         /// <summary>Options as one agent gets them.</summary>

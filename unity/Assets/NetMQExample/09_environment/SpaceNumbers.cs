@@ -16,7 +16,6 @@ namespace NetMQExample
         private readonly double[] low, high;
         private readonly bool limited;
         private readonly Form form;
-        private readonly int itemSize;
 
         public SpaceNumbers(string dtype, int[] shape, double[] low, double[] high)
         {
@@ -27,7 +26,7 @@ namespace NetMQExample
             this.low = low;
             this.high = high;
             form = FormOf(dtype);
-            itemSize = dtype == "int8" ? 1 : MessageArray.SizeOf(dtype);
+            ItemSize = dtype == "int8" ? 1 : MessageArray.SizeOf(dtype);
             // All bytes of a picture are in the space.
             limited = dtype != "uint8" || low.Any(one => one > 0) || high.Any(one => one < 255);
         }
@@ -38,7 +37,9 @@ namespace NetMQExample
 
         public int Count => low.Length;
 
-        public int Size => Count * itemSize;
+        public int ItemSize { get; }
+
+        public int Size => Count * ItemSize;
 
         public bool IsSingle => Shape.Length == 0;
 
@@ -48,15 +49,13 @@ namespace NetMQExample
             var inside = true;
             for (var i = 0; i < low.Length; i++)
             {
-                var number = Get(form, row.Slice(i * itemSize, itemSize));
+                var number = Get(form, row.Slice(i * ItemSize, ItemSize));
                 numbers[at + i] = number;
                 // NaN is not between any two numbers.
                 inside &= !limited || (number >= low[i] && number <= high[i]);
             }
             return inside;
         }
-
-        public static double Get(string dtype, ReadOnlySpan<byte> bytes) => Get(FormOf(dtype), bytes);
 
         private static Form FormOf(string dtype) => dtype switch
         {
@@ -85,68 +84,46 @@ namespace NetMQExample
 
         /// <exception cref="MessageException">It would become another number, as 300 and 0.5 would in a byte.
         /// </exception>
-        public static void Put(string dtype, Span<byte> bytes, double number) => Put(FormOf(dtype), bytes, number);
+        public void Put(Span<byte> bytes, double number) => Put(form, bytes, number);
 
         private static void Put(Form form, Span<byte> bytes, double number)
         {
+            // NaN is neither whole nor between any two numbers.
+            long Whole(long least, long most) => number >= least && number <= most && number == Math.Floor(number)
+                ? (long)number : throw Another(form, number);
             switch (form)
             {
-                case Form.Int8:
-                    bytes[0] = (byte)(sbyte)Whole(form, number, sbyte.MinValue, sbyte.MaxValue);
-                    return;
-                case Form.Uint8:
-                    bytes[0] = (byte)Whole(form, number, 0, byte.MaxValue);
-                    return;
-                case Form.Uint16:
-                    BitConverter.TryWriteBytes(bytes, (ushort)Whole(form, number, 0, ushort.MaxValue));
-                    return;
-                case Form.Int32:
-                    BitConverter.TryWriteBytes(bytes, (int)Whole(form, number, int.MinValue, int.MaxValue));
-                    return;
-                case Form.Int64:
-                    BitConverter.TryWriteBytes(bytes, Whole(form, number, -MostExact, MostExact));
-                    return;
-                case Form.Float32:
-                    if (float.IsInfinity((float)number) && !double.IsInfinity(number)) throw Another(form, number);
-                    BitConverter.TryWriteBytes(bytes, (float)number);
-                    return;
-                default:
-                    BitConverter.TryWriteBytes(bytes, number);
-                    return;
+                case Form.Int8: bytes[0] = (byte)Whole(sbyte.MinValue, sbyte.MaxValue); break;
+                case Form.Uint8: bytes[0] = (byte)Whole(0, byte.MaxValue); break;
+                case Form.Uint16: BitConverter.TryWriteBytes(bytes, (ushort)Whole(0, ushort.MaxValue)); break;
+                case Form.Int32: BitConverter.TryWriteBytes(bytes, (int)Whole(int.MinValue, int.MaxValue)); break;
+                case Form.Int64: BitConverter.TryWriteBytes(bytes, Whole(-MostExact, MostExact)); break;
+                case Form.Float32 when float.IsInfinity((float)number) && !double.IsInfinity(number):
+                    throw Another(form, number);
+                case Form.Float32: BitConverter.TryWriteBytes(bytes, (float)number); break;
+                default: BitConverter.TryWriteBytes(bytes, number); break;
             }
         }
 
-        // NaN is neither whole nor between any two numbers.
-        private static long Whole(Form form, double number, long least, long most) =>
-            number >= least && number <= most && number == Math.Floor(number)
-                ? (long)number : throw Another(form, number);
-
-        private static MessageException Another(Form form, double number)
-        {
-            var dtype = form.ToString().ToLowerInvariant();
-            return new MessageException("not-in-space",
-                FormattableString.Invariant($"{number} would become another number as {dtype}"));
-        }
-
-        public int ItemSize => itemSize;
-
-        public void Put(Span<byte> bytes, double number) => Put(form, bytes, number);
+        private static MessageException Another(Form form, double number) => new MessageException("not-in-space",
+            FormattableString.Invariant($"{number} would become another number as ")
+                + form.ToString().ToLowerInvariant());
 
         /// <summary>The numbers of an array of any dtype.</summary>
         public static double[] Of(MessageArray array)
         {
-            var size = MessageArray.SizeOf(array.Dtype);
+            var (form, size) = (FormOf(array.Dtype), MessageArray.SizeOf(array.Dtype));
             var numbers = new double[array.Data.Length / size];
             for (var i = 0; i < numbers.Length; i++)
-                numbers[i] = Get(array.Dtype, array.Data.Span.Slice(i * size, size));
+                numbers[i] = Get(form, array.Data.Span.Slice(i * size, size));
             return numbers;
         }
 
         public static MessageArray Array(string dtype, double[] numbers, params int[] shape)
         {
-            var size = MessageArray.SizeOf(dtype);
+            var (form, size) = (FormOf(dtype), MessageArray.SizeOf(dtype));
             var data = new byte[numbers.Length * size];
-            for (var i = 0; i < numbers.Length; i++) Put(dtype, data.AsSpan(i * size, size), numbers[i]);
+            for (var i = 0; i < numbers.Length; i++) Put(form, data.AsSpan(i * size, size), numbers[i]);
             return new MessageArray(dtype, data, shape);
         }
     }

@@ -113,7 +113,7 @@ namespace NetMQExample
                     foreach (var one in part.Parts) tuple.Add(Decode(one, ref from));
                     return tuple;
                 case "sequence":
-                    return Items(part.Parts[0], Least(MessageParts.Size(ref from), from), ref from);
+                    return Items(part.Parts[0], MessageParts.Size(ref from), ref from);
                 case "one_of":
                     var which = MessageParts.Size(ref from);
                     if (which >= part.Parts.Length) throw NotInSpace($"{which} of {part.Parts.Length} is");
@@ -153,10 +153,10 @@ namespace NetMQExample
             var none = BitConverter.ToUInt32(from.Span) == uint.MaxValue;
             var edges = none ? 0 : BitConverter.ToInt32(from.Span);
             from = from.Slice(4);
-            var allNodes = Items(part.Parts[0], Least(nodes, from), ref from);
+            var allNodes = Items(part.Parts[0], nodes, ref from);
             if (none) return new GraphInstance(allNodes);
             if (part.Parts.Length < 2) throw NotInSpace("a graph with edges is");
-            var allEdges = Items(part.Parts[1], Least(edges, from), ref from);
+            var allEdges = Items(part.Parts[1], edges, ref from);
             var links = new MessageArray("int32", MessageParts.Take(ref from, checked(8 * edges)).ToArray(), edges, 2);
             foreach (var node in SpaceNumbers.Of(links))
                 if (node < 0 || node >= nodes) throw NotInSpace($"a graph with an edge of node {node}, of {nodes}, is");
@@ -165,15 +165,12 @@ namespace NetMQExample
 
         private List<object> Items(GymSpace part, int count, ref ReadOnlyMemory<byte> from)
         {
+            // Each has a byte at least, or there are only few.
+            if (count < 0 || count > from.Length + 1000) throw NotInSpace($"{count} items in {from.Length} bytes are");
             var items = new List<object>();
             for (var i = 0; i < count; i++) items.Add(Decode(part, ref from));
             return items;
         }
-
-        // Each has a byte at least, or there are only few.
-        private int Least(int count, ReadOnlyMemory<byte> left) => count >= 0 && count <= left.Length + 1000
-            ? count
-            : throw NotInSpace($"{count} items in {left.Length} bytes are");
 
         private MessageException NotInSpace(string what) =>
             new MessageException("not-in-space", $"{what} not in {space}");

@@ -13,8 +13,6 @@ namespace NetMQExample
     /// <summary>Takes what is seen. It is used again for the next observation, and then makes no garbage.</summary>
     public sealed class SpaceWriter
     {
-        private const uint NoEdges = uint.MaxValue;
-
         private readonly GymSpace space;
         private readonly SpaceNumbers[] parts;
         private FrameBuffer to = new FrameBuffer();
@@ -92,13 +90,11 @@ namespace NetMQExample
             whole = true;
         }
 
-        /// <summary>Begins a row behind those that are there already.</summary>
         internal SpaceWriter Begin(FrameBuffer rows)
         {
             to = rows;
             began = rows.Count;
             part = 0;
-            filled = 0;
             whole = false;
             Skip(0);
             return this;
@@ -108,12 +104,10 @@ namespace NetMQExample
         /// <exception cref="MessageException">It is not whole.</exception>
         internal ReadOnlyMemory<byte> End()
         {
-            if (!whole && (space.Size < 0 || part < parts.Length))
-                throw NotInSpace(space.Size < 0 ? "what was not given to Set" : $"{Given} numbers of {space.Count}");
-            return to.From(began);
+            if (whole || (space.Size >= 0 && part == parts.Length)) return to.From(began);
+            throw NotInSpace(space.Size < 0 ? "what was not given to Set"
+                : $"{parts.Take(part).Sum(one => one.Count) + filled} numbers of {space.Count}");
         }
-
-        private int Given => parts.Take(part).Sum(one => one.Count) + filled;
 
         private SpaceNumbers Next() => !whole && part < parts.Length
             ? parts[part]
@@ -126,12 +120,7 @@ namespace NetMQExample
             for (part += by; part < parts.Length && parts[part].Count == 0;) part++;
         }
 
-        private static bool Same(int[] one, int[] other)
-        {
-            if (one.Length != other.Length) return false;
-            for (var i = 0; i < one.Length; i++) if (one[i] != other[i]) return false;
-            return true;
-        }
+        private static bool Same(int[] one, int[] other) => one.AsSpan().SequenceEqual(other);
 
         private void Write(GymSpace of, object value)
         {
@@ -145,8 +134,8 @@ namespace NetMQExample
                     var extra = dict.Count > of.Parts.Length ? dict.Keys.First(key => !of.Keys.Contains(key)) : null;
                     if (extra != null) throw NotInSpace($"a dictionary with '{extra}'");
                     for (var i = 0; i < of.Parts.Length; i++)
-                        Write(of.Parts[i], dict.TryGetValue(of.Keys[i], out var item)
-                            ? item : throw NotInSpace($"a dictionary without '{of.Keys[i]}'"));
+                        Write(of.Parts[i], dict.TryGetValue(of.Keys[i], out var part)
+                            ? part : throw NotInSpace($"a dictionary without '{of.Keys[i]}'"));
                     return;
                 case "tuple":
                     var items = Items(of, value);
@@ -154,7 +143,9 @@ namespace NetMQExample
                     for (var i = 0; i < items.Count; i++) Write(of.Parts[i], items[i]);
                     return;
                 case "sequence":
-                    WriteItems(of.Parts[0], Items(of, value));
+                    var several = Items(of, value);
+                    to.Write((uint)several.Count);
+                    foreach (var item in several) Write(of.Parts[0], item);
                     return;
                 case "one_of":
                     var pair = Items(of, value);
@@ -173,28 +164,18 @@ namespace NetMQExample
             }
         }
 
-        private void WriteItems(GymSpace of, IReadOnlyList<object> items)
-        {
-            to.Write((uint)items.Count);
-            foreach (var item in items) Write(of, item);
-        }
-
         private void WriteGraph(GymSpace of, GraphInstance graph)
         {
             var nodes = Items(of, graph.Nodes);
             var edges = graph.Edges == null || of.Parts.Length < 2 ? null : Items(of, graph.Edges);
             to.Write((uint)nodes.Count);
-            to.Write(edges == null ? NoEdges : (uint)edges.Count);
+            to.Write(edges == null ? uint.MaxValue : (uint)edges.Count);
             foreach (var node in nodes) Write(of.Parts[0], node);
             if (edges == null) return;
             foreach (var edge in edges) Write(of.Parts[1], edge);
-            var links = Flat(graph.EdgeLinks).ToList();
-            if (links.Count != 2 * edges.Count) throw Wrong(of, graph.EdgeLinks);
-            foreach (var link in links)
-            {
-                SpaceNumbers.Put("int32", to.GetSpan(4), link);
-                to.Advance(4);
-            }
+            var links = Flat(graph.EdgeLinks).ToArray();
+            if (links.Length != 2 * edges.Count) throw Wrong(of, graph.EdgeLinks);
+            to.Write(SpaceNumbers.Array("int32", links, links.Length).Data.Span);
         }
 
         private void WriteNumbers(GymSpace of, object value)

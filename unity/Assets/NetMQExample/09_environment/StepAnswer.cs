@@ -7,16 +7,15 @@ namespace NetMQExample
     /// <summary>It is written again and again, and then makes no garbage.</summary>
     public sealed class StepAnswer
     {
-        private readonly FrameBuffer ended = new FrameBuffer(), infos = new FrameBuffer(), table = new FrameBuffer();
-        private readonly FrameBuffer whole = new FrameBuffer();
-        private readonly FrameBuffer now = new FrameBuffer();
+        private readonly FrameBuffer ended = new FrameBuffer(), infos = new FrameBuffer(), table = new FrameBuffer(),
+            whole = new FrameBuffer(), now = new FrameBuffer();
         private long id;
         private int sections;
         // Of the section that is being written: its buffer, and where its parts begin.
         private FrameBuffer to;
-        private int head, count, marks, sizes, values;
+        private int head, marks, sizes, values;
 
-        /// <summary>A value for all; null: none.</summary>
+        // A value for all, or null.
         internal byte[] Infos { get; set; }
 
         /// <summary>The messages of the side channels; null: there are none.</summary>
@@ -61,12 +60,10 @@ namespace NetMQExample
             now.Reserve(StepRequest.Head);
         }
 
-        /// <summary>Begins a section of so many rows.</summary>
         internal void BeginSection(int kind, int rows, Columns columns)
         {
             to = (columns & Columns.Ended) != 0 ? ended : now;
             sections++;
-            count = rows;
             head = to.Reserve(24);
             BitConverter.TryWriteBytes(to.At(head), (ushort)kind);
             BitConverter.TryWriteBytes(to.At(head + 2), (ushort)columns);
@@ -78,10 +75,9 @@ namespace NetMQExample
             table.Clear();
         }
 
-        /// <summary>The agent of a row; called for each row, before anything else.</summary>
+        // For each row, before anything else.
         internal void Who(int place) => to.Write((uint)place);
 
-        /// <summary>What is said of a row.</summary>
         internal void Set(int row, double reward, Marks mark, Dictionary<string, object> info)
         {
             BitConverter.TryWriteBytes(to.At(head + 24 + 8 * row), reward);
@@ -93,10 +89,8 @@ namespace NetMQExample
             table.Write((uint)(infos.Count - before));
         }
 
-        /// <summary>Begins the values of so many rows, which are written into what is returned.</summary>
-        /// <param name="rows">How many there are.</param>
-        /// <param name="sized">Whether each has a size of its own, which Size says.</param>
-        /// <param name="form">The form of all, or null.</param>
+        /// <summary>Begins the values of so many rows, which are written into what is returned: each has a size of its
+        /// own, which Size says; or all have one form; or neither.</summary>
         internal FrameBuffer BeginValues(int rows, bool sized, byte[] form = null)
         {
             if (sized) sizes = to.Reserve(4 * rows);
@@ -112,10 +106,8 @@ namespace NetMQExample
             return to;
         }
 
-        /// <summary>The size of a row of values.</summary>
         internal void Size(int row, int size) => BitConverter.TryWriteBytes(to.At(sizes + 4 * row), (uint)size);
 
-        /// <summary>Ends it, after the last of its values.</summary>
         internal void EndSection()
         {
             BitConverter.TryWriteBytes(to.At(head + 8), (uint)(table.Count / 8));
