@@ -372,7 +372,7 @@ public class Panel : MonoBehaviour
 def test_a_scripts_ui_and_what_its_inspector_names(play, start, tmp_path):
     """Also: each list of files is built once."""
     (tmp_path / "Panel.cs").write_text(PANEL, encoding="utf-8")
-    (tmp_path / "Plain.cs").write_text("class Plain { }", encoding="utf-8")
+    (tmp_path / "Bare.cs").write_text("class Bare { }", encoding="utf-8")
     ui = "--status Status --volume Volume --send Send --word Word --add LineRenderer --points Point*21"
     clicks = "--click Volume=0.5 --click Word=Ada --click Send --click Nobody --click Stop"
     words = [*ui.split(), "--Panel.wrist", "Wrist", *clicks.split()]
@@ -382,7 +382,7 @@ def test_a_scripts_ui_and_what_its_inspector_names(play, start, tmp_path):
     said += ["[Volume] 0.5", "[Status] volume 0.5", "[Word] Ada", "[Status] sent Ada"]
     nobody = "--click Nobody: no button, toggle, slider or input field has this name, and no script such a method"
     assert code == 1 and sorted(lines) == sorted([*said, nobody])
-    code, lines = play("Panel.cs", "Plain.cs", "--seconds", "0.1", folder=tmp_path)
+    code, lines = play("Panel.cs", "Bare.cs", "--seconds", "0.1", folder=tmp_path)
     told = "Does Panel lack the component LineRenderer? --add LineRenderer gives it one", "--Panel.wrist NAME"
     words_of_unity = "UnassignedReferenceException: The variable wrist of Panel has not been assigned."
     assert code == 1 and all(each in "\n".join(lines) for each in (*told, words_of_unity)), lines
@@ -496,11 +496,11 @@ def test_what_cannot_be_played_is_named(play, tmp_path):
     assert code == 1 and len(lines) == 3
     for line, method in ((3, "Hides.Update"), (10, "Forces.FixedUpdate")):
         assert any(re.search(rf"Hides\.cs\({line},\d+\): error CS0114: '{method}", each) for each in lines), lines
-    (tmp_path / "Plain.cs").write_text("class Plain { }", encoding="utf-8")
-    assert play(tmp_path / "Plain.cs") == (2, ["there is no MonoBehaviour in these files"])
+    (tmp_path / "Bare.cs").write_text("class Bare { }", encoding="utf-8")
+    assert play(tmp_path / "Bare.cs") == (2, ["there is no MonoBehaviour in these files"])
     assert play(tmp_path / "absent.cs") == (2, [f"kit    | there is no C# file {tmp_path / 'absent.cs'}"])
-    code, lines = play(tmp_path / "Plain.cs", tmp_path / "Plain.cs")
-    assert code == 2 and "Plain.cs is named twice: new GameObject(" in lines[0]
+    code, lines = play(tmp_path / "Bare.cs", tmp_path / "Bare.cs")
+    assert code == 2 and "Bare.cs is named twice: new GameObject(" in lines[0]
     # With double quotes: cmd knows no others.
     cure = 'a value with blanks is a word of its own: --scale "0, 1, 0"'
     assert play("--scale=0, 1, 0") == (2, [f"kit    | there is no C# file {ROOT / '--scale=0, 1, 0'}; {cure}"])
