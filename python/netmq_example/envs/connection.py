@@ -292,7 +292,6 @@ def bound(endpoint: str, given: zmq.Context[Any] | None = None) -> zmq.Socket[by
     context = given or zmq.Context()
     socket = context.socket(zmq.ROUTER)
     limit(socket, 4 * LIMIT)
-    socket.sndhwm = 10
     # Milliseconds at its end for what it has sent last, such as why it refused a simulator.
     socket.linger = 500
     socket.rcvtimeo = 200

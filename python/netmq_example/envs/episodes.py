@@ -73,12 +73,12 @@ class Episodes:
         orders[begin] = RESET
         return orders.tobytes(), ~begin
 
-    def stepped(self, again: Any) -> None:
-        """A step is done, by all but those who have begun again in it."""
+    def stepped(self, steps: Any) -> None:
+        """A step is done, by all of them or by these; the others have begun again in it, or are away."""
         self.steps += 1
         self.left -= 1
-        if again is not None:
-            self.steps[again] = 0
+        if steps is not None:
+            self.steps[~steps] = 0
             self.count_again()
 
     @property

@@ -125,7 +125,7 @@ class UnityGymEnv(MadeAnew, Rendered, gymnasium.Env[Any, Any]):
         return Section(kind.at, numbers, self.marks[RESET])
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        if not self.begun:
+        if not self.begun or self.remote.interrupted:
             raise gymnasium.error.ResetNeeded("no episode is under way: call reset before step")
         try:
             answer: Record = self.actions.asked(self.ask_step, self.action_space, action)
@@ -157,6 +157,7 @@ class UnityGymEnv(MadeAnew, Rendered, gymnasium.Env[Any, Any]):
         kind: Any = self.kind
         section = Section(kind.at, self.zeros, self.marks[STEP])
         self.actions.put(section, [action])
+        self.remote.wait_for_tick()
         return self.remote.ask([section])
 
     def info(self, answer: Record) -> dict[str, Any]:

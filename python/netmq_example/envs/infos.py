@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from netmq_example.envs.remote import MASK, OWN, info_in
+from netmq_example.json_text import shallow
 from netmq_example.messages import DECODER
 from netmq_example.wire import trees
 from netmq_example.wire.records import Section
@@ -129,11 +130,19 @@ class Infos:
 @functools.lru_cache(200)
 def dtype_of(form: bytes) -> Any:
     """The bytes of a dict of numbers and arrays, with the form before it; None for any other."""
-    parsed = DECODER.decode(form.decode())
+    try:
+        return dtype_in(DECODER.decode(shallow(form.decode())), len(form))
+    except trees.REASONS:
+        # Not one that is read at once; or none at all, which is said where it is read.
+        return None
+
+
+def dtype_in(parsed: Any, length: int) -> Any:
+    """`length` is that of the form."""
     parts = parsed.get("dict") if isinstance(parsed, dict) and len(parsed) == 1 else None
     if not isinstance(parts, dict) or not parts or not OWN.isdisjoint(parts):
         return None
-    fields: list[Any] = [("", np.uint8, len(form) + 4)]
+    fields: list[Any] = [("", np.uint8, length + 4)]
     for key, part in parts.items():
         if not key or f"_{key}" in parts or not isinstance(part, str) or part in ("null", "text", "bytes"):
             return None

@@ -15,7 +15,6 @@ Errors, and where the simulator comes from, are those of gym_env.py. It needs pe
 
 import copy
 import os
-import time
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -95,9 +94,6 @@ class UnityParallelEnv(MadeAnew, Rendered, ParallelEnv):  # type: ignore[misc, u
         # Whether an episode is under way: all may be over in it, and one may come yet.
         self.begun = False
         self.random, _ = seeding.np_random()
-        # When the next tick is due, in real time.
-        self.next = 0.0
-        self.dt = 0.0
         self.remote = Remote(env_name, self.use, file_name, real_time, **where)
         self.simulators = self.remote.simulators
         self.show(self.remote, render_mode, views, view_endpoint)
@@ -130,8 +126,6 @@ class UnityParallelEnv(MadeAnew, Rendered, ParallelEnv):  # type: ignore[misc, u
             team_actions = Actions(self.action_spaces[first], kind, checks=self.simulators.fleet)
             mixed = any(self.action_spaces[agent] != team_actions.space for agent in agents.values())
             teams.append(Team(kind, agents, seen, team_actions, mixed))
-        slowest = max(team.kind.period for team in teams)
-        self.dt = scene.dt * slowest
         self.metadata = {
             "name": f"NetMQExample/{scene.name}-v0",
             "render_modes": MODES,
@@ -158,7 +152,6 @@ class UnityParallelEnv(MadeAnew, Rendered, ParallelEnv):  # type: ignore[misc, u
         with refused_reset(self):
             answer = self.remote.begin(lambda _: [reset_section(team, seed) for team in self.teams], options)
             outcomes = self.outcomes(answer, begins=True)
-        self.next = time.monotonic() + self.dt
         self.begun = True
         self.agents = list(outcomes)
         for team in self.teams:
@@ -175,9 +168,7 @@ class UnityParallelEnv(MadeAnew, Rendered, ParallelEnv):  # type: ignore[misc, u
         if not self.agents:
             # Wrappers step once more when all are over; PettingZoo's own environments have nothing to say then.
             return {}, {}, {}, {}, {}
-        if self.remote.bits:
-            time.sleep(max(0.0, self.next - time.monotonic()))
-            self.next = time.monotonic() + self.dt
+        self.remote.wait_for_tick()
         try:
             # One message for all of them.
             outcomes = self.outcomes(self.ask_step(actions), begins=False)

@@ -8,6 +8,7 @@ answer = remote.ask([section])                              steps; Lost
 
 import contextlib
 import os
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -48,6 +49,10 @@ class Remote:
         self.name = arguments.text("env_name", env_name)
         self.use = use
         self.scene: SceneHello | None = None
+        # Whether a request was left half way; seconds of a step, and in real time when the next one is due.
+        self.interrupted = False
+        self.dt = 0.0
+        self.next = 0.0
         self.bits = REAL_TIME if check.instance("real_time", real_time, bool) else 0
         self.simulators = Simulators(**launched_as(file_name, where))
         if real_time and self.simulators.fleet:
@@ -63,15 +68,31 @@ class Remote:
         except ValueError as error:
             raise MessageError("wrong-scene", str(error)) from None
         self.scene = scene
+        self.dt = scene.dt * max(kind.period for kind in scene.kinds)
 
     def ask(self, sections: list[Section], said: bytes = b"", bits: int = 0) -> Record:
-        answer: Record = self.simulators.ask(Record(ASKS, 0, sections, self.bits | bits, said))
+        try:
+            answer: Record = self.simulators.ask(Record(ASKS, 0, sections, self.bits | bits, said))
+        except (Lost, MessageError):
+            raise
+        except BaseException:
+            # A Ctrl-C, as a rule: the simulator may have done it, and its answer is read by nobody.
+            self.interrupted = True
+            raise
         return answer
+
+    def wait_for_tick(self) -> None:
+        """In real time there is a step for each tick."""
+        if self.bits:
+            time.sleep(max(0.0, self.next - time.monotonic()))
+            self.next = time.monotonic() + self.dt
 
     def begin(self, sections: Sections, options: dict[str, Any] | None, bits: int = 0) -> Record:
         """The answer of the simulator, or of the next one: `sections` gets the error that was raised before."""
         said = options_as_bytes(options)
         begun: Record = self.simulators.begin(self.accept, lambda lost: self.ask(sections(lost), said, bits))
+        self.interrupted = False
+        self.next = time.monotonic() + self.dt
         return begun
 
     def send_info(self, info: Any, agent: str) -> None:

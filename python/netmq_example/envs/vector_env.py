@@ -104,6 +104,9 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
         # The agents whose episode is over, and those that are away; None, if there are none.
         self.over: Any = None
         self.gone: Any = None
+        # Those that are away, and of whom that was said; and those that have stepped last, None for all.
+        self.away = np.zeros(self.num_envs, bool)
+        self.stepping: Any = None
         self.infos = Infos(self.num_envs)
         # Infos of episodes that have ended, while others have begun in the same step.
         self.final_infos: dict[int, dict[str, Any]] = {}
@@ -177,6 +180,7 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
         self.read(answer, new)
         for agent in np.flatnonzero(new & ~mask):
             self.infos.add(int(agent), {"lost": why})
+        self.away = np.zeros(self.num_envs, bool) if self.gone is None else self.gone & (new | self.away)
         seen = self.seen.batch()
         self.over = some(None if self.over is None else self.over & ~new)
         self.begun = True
@@ -199,7 +203,7 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
         return now, ended
 
     def step(self, actions: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
-        if not self.begun:
+        if not self.begun or self.remote.interrupted:
             raise gymnasium.error.ResetNeeded("no episode is under way: call reset before step")
         self.final_infos = {}
         again = self.over
@@ -217,7 +221,7 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
             answer = self.actions.asked(lambda batch: self.ask_step(batch, again), self.action_space, actions)
         except Lost as lost:
             return self.lost(str(lost))
-        self.episodes.stepped(again)
+        self.episodes.stepped(self.stepping)
         results = self.results(answer, again)
         self.filmed(begins=False)
         return results
@@ -226,21 +230,28 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
         """One step of all agents. Those of `again` are reset in place of it."""
         kind: Any = self.kind
         marks, steps = self.episodes.orders(again, self.gone)
+        self.stepping = steps
         bits = AUTORESET if self.autoreset_mode == AutoresetMode.SAME_STEP else 0
         numbers = self.zeros
         if bits or steps is not None:
             numbers = (self.episodes.next + kind.first).tobytes()
         section = Section(kind.at, numbers, marks or self.everybody)
         self.actions.put_batch(section, actions, steps)
-        answer = self.remote.ask([section], bits=bits)
+        self.remote.wait_for_tick()
+        try:
+            answer = self.remote.ask([section], bits=bits)
+        except MessageError as error:
+            # Nobody knows who has begun anew, and who has not.
+            self.begun = self.begun and (error.code != "error-in-simulation" or (not bits and steps is None))
+            raise
         if steps is not None:
             self.episodes.draw(np.flatnonzero(~steps))
         return answer
 
     def results(self, answer: Record, again: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
-        was_gone = self.gone
         quiet = answer.sections[0].marks == self.all_seen and len(answer.sections) == 1
-        before = self.seen.batch() if self.autoreset_mode == AutoresetMode.SAME_STEP and not quiet else None
+        may_end = not quiet or self.episodes.may_be_up
+        before = self.seen.batch() if self.autoreset_mode == AutoresetMode.SAME_STEP and may_end else None
         now, ended = self.read(answer, again)
         rewards = np.frombuffer(now.numbers, np.float64).copy()
         if not math.isfinite(rewards.sum()):
@@ -252,8 +263,11 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
             terminated = marks & TERMINATED > 0
             truncated = marks & TRUNCATED > 0
         if self.gone is not None:
-            # An agent that leaves is cut, once; one that is away has no episode that could end.
-            truncated |= self.gone & ~terminated & (True if was_gone is None else ~was_gone)
+            # An agent that leaves is cut, once; one that is away has no rewards, and no episode that could end.
+            rewards[self.away & self.gone] = 0
+            terminated &= ~self.away
+            truncated = (truncated | (self.gone & ~terminated)) & ~self.away
+        self.away = np.zeros(self.num_envs, bool) if self.gone is None else self.gone
         seen = self.seen.batch()
         up = self.episodes.up() if self.episodes.may_be_up else None
         if up is not None:

@@ -42,6 +42,10 @@ class Kind:
         self.told = [False] * count
         self.fresh: set[int] = set()
 
+    def is_free(self, row: int) -> bool:
+        """Whether Python knows that the last agent of this row is over, or has left."""
+        return not self.begun[row] or self.told[row]
+
     def described(self) -> dict[str, Any]:
         """As the hello has it."""
         spaces = [one and described(one.space) for one in (self.observation, self.action)]

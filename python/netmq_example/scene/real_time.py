@@ -10,7 +10,7 @@ from typing import Any
 
 from netmq_example.scene.agent import Agent
 from netmq_example.scene.steps import Steps
-from netmq_example.wire.records import RESET
+from netmq_example.wire.records import LAST, RESET, STEP
 
 # More than that is not made up for when Python, or the whole computer, has slept.
 MOST_SECONDS = 10.0
@@ -51,6 +51,7 @@ class RealTime:
             if not exchange.all_over():
                 steps += exchange.step(real_time=True)
         self.acting = exchange.acting
-        if all(set(one.orders) == {RESET} for one in exchange.asked):
+        orders = {order for one in exchange.asked for order in one.orders}
+        if RESET in orders and not orders & {STEP, LAST}:
             self.restart()
         return steps

@@ -10,6 +10,9 @@ from netmq_example.scene.agent import Agent, declared
 from netmq_example.scene.kind import Kind
 from netmq_example.scene.scene import Scene, check_agent
 
+# The row of an agent that has come in the step in which its row's last one has left: until that is told, it waits.
+WAITS = -1
+
 
 def parted(name: str) -> tuple[str, int | None]:
     """fish_3 is number 3 of fish."""
@@ -26,6 +29,7 @@ class Roster:
         self.places: dict[int, tuple[Kind, int]] = {}
         self.sources: dict[int, list[tuple[str, Agent, str]]] = {}
         self.now: list[Agent] = []
+        self.changes = -1
         # Also those that have left, and may come back.
         known = [agent for kind in before.kinds for agent in kind.last if agent] if before else []
         agents = known + [agent for agent in scene.agents if not any(one is agent for one in known)]
@@ -50,6 +54,10 @@ class Roster:
     def __iter__(self) -> Iterator[Kind]:
         return iter(self.kinds)
 
+    def is_known(self) -> bool:
+        """Whether nobody has come or left since it was looked."""
+        return self.changes == self.scene.changes and len(self.scene.agents) == len(self.now)
+
     def sync(self) -> None:
         """Looks who is there. MessageError says why somebody cannot be."""
         agents = self.scene.agents
@@ -64,9 +72,13 @@ class Roster:
                 if agent is not None and id(agent) not in here:
                     kind.present[row] = None
                     kind.fresh.discard(row)
+        placed: set[int] = set()
         # Those with a number of their own first: the others take what is left.
         for agent in sorted(agents, key=lambda one: parted(one.name)[1] is None):
             kind, row = self.place(agent)
+            if row == WAITS:
+                continue
+            placed.add(id(agent))
             if kind.present[row] is not agent:
                 # An agent that was away between two answers has missed nothing.
                 if kind.last[row] is not agent or kind.told[row] or not kind.begun[row]:
@@ -76,7 +88,9 @@ class Roster:
                 kind.told[row] = False
                 agent.name = kind.names[row]
                 self.places[id(agent)] = kind, row
-        self.now = list(agents)
+        # Those without a place yet are looked at again.
+        self.now = [agent for agent in agents if id(agent) in placed]
+        self.changes = self.scene.changes
         self.sources = {}
 
     def place(self, agent: Agent) -> tuple[Kind, int]:
@@ -98,12 +112,14 @@ class Roster:
             row = kind.names.index(agent.name)
             if kind.present[row] is not None:
                 raise MessageError("two-agents", f"2 agents are named {agent.name!r}: each needs a name of its own")
-            return kind, row
+            return kind, row if kind.is_free(row) else WAITS
         # The next free number; that of one who has left only where there is no other.
-        for rows in (kind.last, kind.present):
-            for row, one in enumerate(rows):
-                if one is None and kind.present[row] is None:
-                    return kind, row
+        empty = [row for row, one in enumerate(kind.present) if one is None]
+        for row in sorted(empty, key=lambda row: kind.last[row] is not None):
+            if kind.is_free(row):
+                return kind, row
+        if empty:
+            return kind, WAITS
         most = len(kind.names)
         cure = f"at_most={{{kind.name!r}: {most + 1}}}, in Unity raise At Most in GymManager"
         raise MessageError("no-space", f"there are {most} agents of {kind.name} already, and no more may come: {cure}")

@@ -36,15 +36,19 @@ class Scene:
         check.instance("at_most", at_most, Mapping, type(None))
         self.at_most = {name: check.count("at_most", most) for name, most in dict(at_most or {}).items()}
         self.infos = Infos()
+        # How often somebody has come or left.
+        self.changes = 0
 
     def add(self, agent: Agent) -> None:
         """It takes part from now on: with its on_reset, after this step."""
         self.agents.append(check_agent(agent))
+        self.changes += 1
 
     def remove(self, agent: Agent) -> None:
         """It has left, and may come back by `add`."""
         # By identity: an agent that is a dataclass may be equal to another one.
         self.agents[:] = [one for one in self.agents if one is not agent]
+        self.changes += 1
 
     def send_info(self, info: Any) -> None:
         """Tell Python something of the scene itself, with the next answer."""

@@ -1,5 +1,6 @@
 """The order of a step, and of a beginning: what simulator.py says of them. In C# it is SceneSteps.cs."""
 
+import copy
 import math
 import struct
 from typing import Any
@@ -48,8 +49,7 @@ class Steps:
 
     def here(self, agent: Agent) -> bool:
         """Whether nobody has removed it meanwhile."""
-        agents = self.scene.agents
-        return len(agents) == len(self.roster.now) or any(one is agent for one in agents)
+        return self.roster.is_known() or any(one is agent for one in self.scene.agents)
 
     def all_over(self) -> bool:
         return all(over(agent) for agent in self.moving())
@@ -75,7 +75,8 @@ class Steps:
         periods = {id(agent): one.kind.period for one in self.asked for agent in one.kind.present if agent}
         for agent, action in self.acting:
             if self.here(agent):
-                agent.on_action(action)
+                # In real time it is given again at the next tick, and an agent may change its own.
+                agent.on_action(copy.deepcopy(action) if real_time else action)
         for tick in range(1 if real_time else max(periods[id(agent)] for agent in acting)):
             # Nothing after the end belongs to a step.
             if all(map(over, acting)):
@@ -103,8 +104,13 @@ class Steps:
                 one.again |= one.last.keys()
         if not any(one.again or one.kind.fresh for one in self.asked):
             return 0
+        all_again = self.all_again()
+        for one in self.asked:
+            # Their last episode is over, and others may come in their place.
+            for row in one.again:
+                one.kind.begun[row] = False
         by_order = any(RESET in one.orders for one in self.asked)
-        if self.all_again():
+        if all_again:
             first = self.asked[0]
             self.seed = first.seeds[0] - first.kind.first
             if by_order:

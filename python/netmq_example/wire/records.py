@@ -274,6 +274,8 @@ def read_section(kind: int, view: memoryview, at: int, choices: Sequence[int]) -
         section.table = view[at : at + 8 * infos]
         section.infos = view[at + 8 * infos : at + 8 * infos + info_bytes]
         at += 8 * infos + info_bytes + -info_bytes % 8
+        if at > size:
+            raise bad("it ends too early")
         if sum(size for _, size in struct.iter_unpack("<II", section.table)) != info_bytes:
             raise bad("its infos have other sizes")
         if any(row >= count for row, _ in struct.iter_unpack("<II", section.table)):
