@@ -32,6 +32,9 @@ namespace NetMQExample
         /// <summary>Such as <c>bad-shape</c>.</summary>
         public string Code { get; }
 
+        /// <summary>The message without the code.</summary>
+        public string Text => Message.Substring(Code.Length + 2);
+
         /// <summary>The id of the request that the error answers; 0 where it has none.</summary>
         public long Id { get; }
     }

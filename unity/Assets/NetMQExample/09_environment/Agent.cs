@@ -63,7 +63,6 @@ namespace NetMQExample
             }
         }
 
-        /// <inheritdoc/>
         AgentState IAgent.AgentState => Own;
 
         /// <inheritdoc/>
@@ -159,10 +158,7 @@ namespace NetMQExample
         protected virtual void OnEnable()
         {
             var first = state == null;
-            try
-            {
-                _ = Own;
-            }
+            try { _ = Own; }
             catch (ArgumentException e)
             {
                 GiveUp(e.Message);

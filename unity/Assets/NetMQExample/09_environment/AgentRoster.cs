@@ -57,7 +57,6 @@ namespace NetMQExample
         public bool Started { get; set; }
 
         /// <summary>Decides the names.</summary>
-        /// <exception cref="MessageException">Two agents do not go together.</exception>
         public void Name()
         {
             Kinds.Clear();
@@ -75,8 +74,7 @@ namespace NetMQExample
             foreach (var row in Rows) row.Born = false;
         }
 
-        /// <summary>Looks who is there now.</summary>
-        /// <param name="loading">Whether a scene was loaded, whose agents take the rows in their order.</param>
+        /// <summary>Looks who is there now. Agents of a scene that was loaded take the rows in their order.</summary>
         public void Settle(bool loading)
         {
             if (waiting.Count > 0 || renames != AgentState.Renames || !Same(agents, known)
@@ -87,8 +85,6 @@ namespace NetMQExample
         public bool IsThere(AgentRow row) =>
             row.Present && (row.At < agents.Count && agents[row.At] == row.Agent || agents.Contains(row.Agent));
 
-        /// <summary>The agent of a name.</summary>
-        /// <exception cref="MessageException">There is none.</exception>
         public IAgent Find(string name)
         {
             foreach (var agent in agents) if (agent.AgentState.Name == name) return agent;
@@ -164,7 +160,13 @@ namespace NetMQExample
             {
                 var row = known[i].AgentState.Row;
                 if (row == null || !Rows.Contains(row) || row.Agent != known[i]) coming.Add(known[i]);
-                else Come(row, i, was[row.Number]);
+                else
+                {
+                    row.At = i;
+                    // If Python had lost it, or has never seen it, it begins.
+                    if (!was[row.Number] && Started && (row.Told || !row.Came)) row.Born = true;
+                    row.Came = true;
+                }
             }
             // Those of a scene come in no order of theirs.
             if (coming.Count > 1)
@@ -181,14 +183,6 @@ namespace NetMQExample
             Plan();
         }
 
-        // It is there. If Python had lost it, or has never seen it, it begins.
-        private void Come(AgentRow row, int at, bool before)
-        {
-            row.At = at;
-            if (!before && Started && (row.Told || !row.Came)) row.Born = true;
-            row.Came = true;
-        }
-
         private bool TryPlace(IAgent agent, bool loading, out string why)
         {
             var given = Take(agent).Given;
@@ -201,19 +195,8 @@ namespace NetMQExample
             var row = kind?.Rows.Where(one => !one.Present && (number < 0 || one.Name == given))
                 .OrderBy(one => Rank(one, loading)).FirstOrDefault();
             if (row == null) return false;
-            Place(row, agent);
-            return true;
-        }
-
-        // A row whose agent could come back is taken last; and one of which Python does not know that it has left only
-        // if there is no other, or where a scene was loaded anew.
-        private int Rank(AgentRow row, bool loading) =>
-            row.Agent == null ? 0 : Exists(row.Agent) ? 2 : row.Told || loading ? 0 : 1;
-
-        private void Place(AgentRow row, IAgent agent)
-        {
             var state = agent.AgentState;
-            row.Kind.Check(agent);
+            kind.Check(agent);
             var before = row.State;
             // Its episode goes on with another agent, such as that of a scene that was loaded anew.
             var goesOn = before != null && before != state && row.Came && row.Begun && !row.Told;
@@ -223,8 +206,13 @@ namespace NetMQExample
             if (goesOn) state.GoOnFrom(before, row.BeganNow);
             row.At = known.IndexOf(agent);
             if (!goesOn && Started) row.Born = true;
-            row.Came = true;
+            return row.Came = true;
         }
+
+        // A row whose agent could come back is taken last; and one of which Python does not know that it has left only
+        // if there is no other, or where a scene was loaded anew.
+        private int Rank(AgentRow row, bool loading) =>
+            row.Agent == null ? 0 : Exists(row.Agent) ? 2 : row.Told || loading ? 0 : 1;
 
         private AgentState Take(IAgent agent)
         {

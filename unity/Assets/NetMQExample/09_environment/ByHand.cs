@@ -66,7 +66,11 @@ namespace NetMQExample
                 row.Order = Order.Step;
                 if (row.Lives) row.Take(heuristic(row.Agent));
             }
-            SceneSimulator.Inside(() => simulator.Moves.Step() + simulator.Moves.Begin(row => false, default, 0));
+            SceneSimulator.Inside(() =>
+            {
+                simulator.Moves.Step();
+                simulator.Moves.Begin(row => false, default, 0);
+            });
             var reward = 0.0;
             foreach (var row in rows.FindAll(row => row.Present))
             {

@@ -105,14 +105,11 @@ namespace NetMQExample
         private void Talk(
             SimulatorBase simulator, int count, Action<Action> perform, TimeSpan limit, CancellationToken stop)
         {
-            try
-            {
-                perform(() => simulator.Hello());
-            }
+            try { perform(() => simulator.Hello()); }
             catch (Exception e) when (e is MessageException || e is ArgumentException)
             {
                 // The scene is wrong: Python, which waits for it, is told why it ends.
-                var why = e is MessageException known ? known.Message.Substring(known.Code.Length + 2) : e.Message;
+                var why = e is MessageException known ? known.Text : e.Message;
                 connection.Socket.Options.Linger = Try;
                 Send(new Message("error") { Values = { ["code"] = "gave-up", ["text"] = why } }, limit, stop);
                 throw new GaveUpException(why);
@@ -130,7 +127,11 @@ namespace NetMQExample
             // never is, and says for how long at most.
             var idle = TimeSpan.FromSeconds(
                 request.Values.GetValueOrDefault("silence") is double s && s > 0 && s < 3600 ? s : 3600);
-            Action answer = () => Answer(simulator, request);
+            Action answer = () =>
+            {
+                if (request == null) simulator.Answer(step);
+                else simulator.Answer(request);
+            };
             try
             {
                 while ((request = Receive(idle, stop))?.Kind != "close")
@@ -159,12 +160,6 @@ namespace NetMQExample
                 why = Nothing;
                 tries = 0;
             }
-        }
-
-        private void Answer(SimulatorBase simulator, Message request)
-        {
-            if (request == null) simulator.Answer(step);
-            else simulator.Answer(request);
         }
 
         private void Send(Message message, TimeSpan limit, CancellationToken stop)

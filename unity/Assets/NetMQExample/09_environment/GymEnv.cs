@@ -28,8 +28,7 @@ namespace NetMQExample
             }
         }
 
-        /// <summary>Tells Python something of the environment, with the next answer.</summary>
-        /// <exception cref="MessageException">It has no place in a message.</exception>
+        /// <inheritdoc cref="SceneSimulator.SendInfo"/>
         public static void SendInfo(object info) => Simulator.SendInfo(info);
 
         /// <summary>Tells Python something of an agent, with its next answer.</summary>

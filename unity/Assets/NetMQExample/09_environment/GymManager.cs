@@ -66,8 +66,7 @@ namespace NetMQExample
         /// <inheritdoc/>
         public virtual MessageArray Render() => null;
 
-        /// <summary>Tells Python something of the environment, with the next answer.</summary>
-        /// <exception cref="MessageException">It has no place in a message.</exception>
+        /// <inheritdoc cref="SceneSimulator.SendInfo"/>
         public void SendInfo(object info) => Simulator.SendInfo(info);
 
         /// <summary>The action of a person who plays an agent by hand.</summary>

@@ -48,10 +48,7 @@ namespace NetMQExample
                 using var process = Process.GetProcessById(id);
                 return !process.HasExited;
             }
-            catch (Exception e) when (e is ArgumentException || e is InvalidOperationException)
-            {
-                return false;
-            }
+            catch (Exception e) when (e is ArgumentException || e is InvalidOperationException) { return false; }
         }
     }
 }

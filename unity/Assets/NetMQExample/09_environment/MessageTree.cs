@@ -71,7 +71,6 @@ namespace NetMQExample
         }
 
         /// <summary>The value of this form that these numbers are.</summary>
-        /// <exception cref="MessageException">They are none.</exception>
         internal static object Read(object form, ReadOnlyMemory<byte> numbers)
         {
             try
@@ -87,7 +86,6 @@ namespace NetMQExample
         }
 
         /// <summary>A form, as JSON in ASCII. Most are known.</summary>
-        /// <exception cref="MessageException">It is none.</exception>
         internal static object Form(ReadOnlyMemory<byte> bytes)
         {
             if (bytes.Length > MostFormBytes)
@@ -107,37 +105,14 @@ namespace NetMQExample
         {
             // Without a limit, a list that holds itself would end the program.
             if (depth > MostDepth) throw new MessageException("bad-tree", "it is nested too deeply, or has no end");
+            var known = AddSimple(numbers, value);
+            if (known != null)
+            {
+                form.Append(known);
+                return;
+            }
             switch (value)
             {
-                case null:
-                    form.Append("\"null\"");
-                    return;
-                case bool yes:
-                    form.Append("\"bool\"");
-                    numbers.Write((byte)(yes ? 1 : 0));
-                    return;
-                case string text:
-                    form.Append("\"text\"");
-                    MessageParts.WriteText(numbers, text);
-                    return;
-                case byte[] bytes:
-                    form.Append("\"bytes\"");
-                    MessageParts.WriteBytes(numbers, bytes);
-                    return;
-                case EncodedImage image:
-                    form.Append("{\"image\":\"bytes\"}");
-                    MessageParts.WriteBytes(numbers, image.File);
-                    return;
-                case int _:
-                case long _:
-                    form.Append("\"int64\"");
-                    numbers.Write(Convert.ToInt64(value));
-                    return;
-                case float _:
-                case double _:
-                    form.Append("\"float64\"");
-                    numbers.Write(Finite(Convert.ToDouble(value)));
-                    return;
                 case MessageArray array:
                     form.Append($"\"{array.Dtype}[{string.Join(",", array.Shape)}]\"");
                     numbers.Write(array.Data.Span);
@@ -163,6 +138,25 @@ namespace NetMQExample
                     return;
             }
             throw new MessageException("bad-tree", $"{value.GetType().Name} has no place in a message");
+        }
+
+        /// <summary>The form of a value of a type that has but one, and adds its numbers; or null, and adds nothing.
+        /// </summary>
+        internal static string AddSimple(FrameBuffer numbers, object value)
+        {
+            switch (value)
+            {
+                case null: return "\"null\"";
+                case bool yes: numbers.Write((byte)(yes ? 1 : 0)); return "\"bool\"";
+                case string text: MessageParts.WriteText(numbers, text); return "\"text\"";
+                case byte[] bytes: MessageParts.WriteBytes(numbers, bytes); return "\"bytes\"";
+                case EncodedImage image: MessageParts.WriteBytes(numbers, image.File); return "{\"image\":\"bytes\"}";
+                case int number: numbers.Write((long)number); return "\"int64\"";
+                case long number: numbers.Write(number); return "\"int64\"";
+                case float number: numbers.Write(Finite(number)); return "\"float64\"";
+                case double number: numbers.Write(Finite(number)); return "\"float64\"";
+                default: return null;
+            }
         }
 
         private static void AddAll(
@@ -229,7 +223,7 @@ namespace NetMQExample
         }
 
         // NaN is not less than anything.
-        private static double Finite(double number) => Math.Abs(number) < double.PositiveInfinity
+        internal static double Finite(double number) => Math.Abs(number) < double.PositiveInfinity
             ? number
             : throw new MessageException("bad-value", FormattableString.Invariant($"{number} is not finite"));
 

@@ -65,11 +65,7 @@ namespace NetMQExample
             catch (Exception e) when (e is MessageException || e is TargetInvocationException) { throw Named(e); }
         }
 
-        /// <summary>The same, as it stands in a message.</summary>
-        /// <param name="from">The object.</param>
-        /// <param name="to">Takes its numbers.</param>
-        /// <param name="last">The form of the value before: most have the same one again.</param>
-        /// <returns>Its form.</returns>
+        /// <summary>Writes the same, and returns its form. Most have that of the value before again.</summary>
         internal string Write(object from, FrameBuffer to, string last)
         {
             try
@@ -92,7 +88,7 @@ namespace NetMQExample
         private object ValueOf(object from) => field != null ? field.GetValue(from) : property.GetValue(from);
 
         private Exception Named(Exception e) => e is MessageException known
-            ? new MessageException(known.Code, $"{FullName}: {known.Message.Substring(known.Code.Length + 2)}")
+            ? new MessageException(known.Code, $"{FullName}: {known.Text}")
             : (Exception)new InvalidOperationException($"{FullName}: {e.InnerException?.Message}", e.InnerException);
 
         /// <summary>A value of any kind as its own kind says.</summary>
@@ -110,7 +106,7 @@ namespace NetMQExample
                     return new GraphInstance(Part(graph.Nodes), Part(graph.Edges), Part(graph.EdgeLinks));
                 case float _:
                 case double _:
-                case decimal _: return Finite(Convert.ToDouble(value));
+                case decimal _: return MessageTree.Finite(Convert.ToDouble(value));
                 case Enum _:
                 case IConvertible it when it.GetTypeCode() >= TypeCode.SByte && it.GetTypeCode() <= TypeCode.UInt64:
                     return Whole(value);
@@ -144,10 +140,6 @@ namespace NetMQExample
             try { return read(); }
             finally { depth--; }
         }
-
-        private static object Finite(double value) => Math.Abs(value) < double.PositiveInfinity
-            ? value
-            : throw new MessageException("bad-value", FormattableString.Invariant($"{value} is not finite"));
 
         private static object Whole(object value)
         {

@@ -13,25 +13,11 @@ namespace NetMQExample
         /// <summary>A value of [Obs].</summary>
         public static string Write(object value, FrameBuffer to)
         {
-            switch (value = Observed.Engine(value))
-            {
-                case float number when Math.Abs(number) < float.PositiveInfinity:
-                    to.Write((double)number);
-                    return "\"float64\"";
-                case double number when Math.Abs(number) < double.PositiveInfinity:
-                    to.Write(number);
-                    return "\"float64\"";
-                case bool yes:
-                    to.Write((byte)(yes ? 1 : 0));
-                    return "\"bool\"";
-                case string text:
-                    MessageParts.WriteText(to, text);
-                    return "\"text\"";
-                case float[] _:
-                case double[] _:
-                case int[] _: return WriteBox(value, "", to);
-                default: return WriteWhole(value is bool ? null : value, to);
-            }
+            value = Observed.Engine(value);
+            return value is float[] || value is double[] || value is int[] ? WriteBox(value, "", to)
+                : value is Enum ? WriteWhole(value, to)
+                // An array of numbers here, and not bytes.
+                : value is byte[] ? null : MessageTree.AddSimple(to, value);
         }
 
         /// <summary>A value of [Discrete].</summary>

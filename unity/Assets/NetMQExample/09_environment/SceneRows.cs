@@ -1,6 +1,6 @@
 // Lesson 09, the rows of a request, and those of its answer, as Records.cs says. In Python: scene/exchange.py.
 using System.Collections.Generic;
-using System.Linq;
+using System.Text;
 
 namespace NetMQExample
 {
@@ -8,8 +8,12 @@ namespace NetMQExample
     internal sealed class SceneRows
     {
         private readonly AgentRoster roster;
-        private readonly SeenRows seen = new SeenRows();
         private readonly List<AgentRow> shown = new List<AgentRow>();
+        private readonly FrameBuffer scratch = new FrameBuffer();
+        private int[] ends = new int[0];
+        private string[] forms = new string[0];
+        private string form = "";
+        private byte[] formBytes = new byte[0];
 
         public SceneRows(AgentRoster roster) => this.roster = roster;
 
@@ -37,7 +41,7 @@ namespace NetMQExample
                 throw new MessageException("wrong-agents",
                     $"{section.Count} rows, but there are {kind.Rows.Count} agents of {kind.Name}");
             kind.Asked = true;
-            var form = section.Form.Length > 0 && kind.Action == null ? MessageTree.Form(section.Form) : null;
+            var shape = section.Form.Length > 0 && kind.Action == null ? MessageTree.Form(section.Form) : null;
             var first = true;
             for (var i = 0; i < section.Count; i++)
             {
@@ -48,7 +52,7 @@ namespace NetMQExample
                     throw new MessageException("wrong-agents",
                         $"{row.Name} is over, or has not begun: reset comes first");
                 // One that has left does not act, and the answer says so.
-                if (row.Steps && row.Plays) row.Read(section.Row(i), form, request.RealTime);
+                if (row.Steps && row.Plays) row.Read(section.Row(i), shape, request.RealTime);
                 if (row.Order != Order.Reset || !first) continue;
                 first = false;
                 // What is wrong with them is said before anything moves.
@@ -56,15 +60,11 @@ namespace NetMQExample
             }
         }
 
-        /// <summary>The kinds that nobody asks for.</summary>
-        public IEnumerable<string> Idle() => roster.Kinds.Where(kind => !kind.Asked).Select(kind => kind.Name);
-
-        /// <summary>An agent that leaves in the step of its end is seen in it: a frame later there
-        /// may be nobody.</summary>
+        /// <summary>An agent that leaves in the step of its end is seen in it: a frame later it may be gone.</summary>
         public void SeeLeaving()
         {
             foreach (var row in roster.Rows)
-                if (row.Steps && row.Plays && row.State.Over && !roster.IsThere(row)) row.Last = seen.One(row);
+                if (row.Steps && row.Plays && row.State.Over && !roster.IsThere(row)) row.Last = One(row);
         }
 
         /// <summary>Those that have ended are seen a last time, and with the autoreset said to have.</summary>
@@ -80,7 +80,7 @@ namespace NetMQExample
             if (shown.Count == 0) return;
             // Before others begin, which might change what it sees.
             if (!autoreset)
-                foreach (var row in shown) row.Last = row.Last.Bytes == null ? seen.One(row) : row.Last;
+                foreach (var row in shown) row.Last = row.Last.Bytes == null ? One(row) : row.Last;
             else WriteEnded(kind, answer);
         }
 
@@ -88,7 +88,7 @@ namespace NetMQExample
         {
             answer.BeginSection(kind.Place, shown.Count, Columns.Who | Columns.Ended);
             foreach (var row in shown) answer.Who(row.Place);
-            seen.Write(kind, shown, answer);
+            Write(kind, answer);
             for (var i = 0; i < shown.Count; i++)
             {
                 var (reward, ends) = shown[i].State.Take();
@@ -110,14 +110,14 @@ namespace NetMQExample
                 row.Shown = row.Present ? row.Order != Order.Nothing || row.New : row.Last.Bytes != null;
                 if (row.Shown) shown.Add(row);
             }
-            seen.Write(kind, shown, answer);
+            Write(kind, answer);
             foreach (var row in kind.Rows)
-                if (!row.Present || row.Order != Order.Nothing || row.New) Tell(row, row.Place, answer);
+                if (!row.Present || row.Order != Order.Nothing || row.New) Tell(row, answer);
             answer.EndSection();
         }
 
         // What is said of a row: its reward, its marks, and its infos.
-        private static void Tell(AgentRow row, int at, StepAnswer answer)
+        private static void Tell(AgentRow row, StepAnswer answer)
         {
             var (reward, ends) = row.State?.Take() ?? (0, 0);
             // An end is told once; one in an OnReset belongs to the first step.
@@ -127,8 +127,64 @@ namespace NetMQExample
             row.Told = !row.Present || ends != 0;
             // From now on it must be reset.
             if (row.Told) row.Begun = false;
-            answer.Set(at, reward, mark, row.State?.TakeInfo());
+            answer.Set(row.Place, reward, mark, row.State?.TakeInfo());
             row.State?.ForgetInfo();
+        }
+
+        // The observations of those shown: numbers of one size right into the answer, and all else once it is known how
+        // it differs.
+        private void Write(AgentKind kind, StepAnswer answer)
+        {
+            if (kind.Size >= 0 || shown.Count == 0)
+            {
+                var to = answer.BeginValues(shown.Count, false);
+                foreach (var row in shown) kind.Write(row, to);
+                return;
+            }
+            if (ends.Length < shown.Count) (ends, forms) = (new int[shown.Count], new string[shown.Count]);
+            scratch.Clear();
+            var alike = true;
+            for (var i = 0; i < shown.Count; i++)
+            {
+                forms[i] = kind.Write(shown[i], scratch);
+                ends[i] = scratch.Count;
+                alike &= Size(i) == Size(0) && (ReferenceEquals(forms[i], forms[0]) || forms[i] == forms[0]);
+            }
+            if (alike) answer.BeginValues(shown.Count, false, kind.Located ? BytesOf(forms[0]) : null)
+                .Write(scratch.From(0).Span);
+            else WriteEach(kind, answer);
+        }
+
+        // The observation of one agent, as it is now.
+        private (byte[] Bytes, string Form) One(AgentRow row)
+        {
+            scratch.Clear();
+            var its = row.Kind.Write(row, scratch);
+            return (scratch.From(0).ToArray(), its);
+        }
+
+        private int Size(int row) => ends[row] - (row == 0 ? 0 : ends[row - 1]);
+
+        private void WriteEach(AgentKind kind, StepAnswer answer)
+        {
+            int Whole(int row) => Size(row) + (kind.Located ? 4 + forms[row].Length : 0);
+            var sized = false;
+            for (var i = 0; i < shown.Count; i++) sized |= Whole(i) != Whole(0);
+            var to = answer.BeginValues(shown.Count, sized);
+            for (var i = 0; i < shown.Count; i++)
+            {
+                if (sized) answer.Size(i, Whole(i));
+                if (kind.Located) MessageParts.WriteText(to, forms[i]);
+                to.Write(scratch.From(0).Span.Slice(ends[i] - Size(i), Size(i)));
+            }
+        }
+
+        // Most have the same form from step to step.
+        private byte[] BytesOf(string text)
+        {
+            if (ReferenceEquals(text, form)) return formBytes;
+            form = text;
+            return formBytes = Encoding.ASCII.GetBytes(text);
         }
     }
 }

@@ -141,13 +141,7 @@ namespace NetMQExample
             if (request.Kind == "render") return Render(request.Id);
             if (request.Kind != "info") throw Unknown(request, "info, render");
             var (to, said) = InfoOf(request);
-            AgentState.Inside = true;
-            try
-            {
-                if (to == "") (OnInfo + Others() ?? Unheard)(said);
-                else Find(to).OnInfo(said);
-            }
-            finally { AgentState.Inside = false; }
+            Inside(() => (to == "" ? OnInfo + Others() ?? Unheard : Find(to).OnInfo)(said));
             return new Message("told", request.Id);
         }
 
@@ -179,7 +173,7 @@ namespace NetMQExample
 
         internal IAgent Find(string name) => roster.Find(name);
 
-        internal static void Inside(Func<int> work)
+        internal static void Inside(Action work)
         {
             AgentState.Inside = true;
             try { work(); }
@@ -196,7 +190,10 @@ namespace NetMQExample
             Steps += CatchUpTo(dt);
             rows.Ask(request, real.On);
             if (!idle && request.Count < roster.Kinds.Count)
-                Warn($"nobody asks for {string.Join(", ", rows.Idle())}: they stand still");
+            {
+                var left = roster.Kinds.Where(kind => !kind.Asked).Select(kind => kind.Name);
+                Warn($"nobody asks for {string.Join(", ", left)}: they stand still");
+            }
             idle |= request.Count < roster.Kinds.Count;
             LookForLate();
             real.Switch(request.RealTime);

@@ -86,7 +86,7 @@ namespace NetMQExample
             try { return Observed.Of(GetObservation()); }
             catch (MessageException e)
             {
-                throw new MessageException(e.Code, $"{FullName}: {e.Message.Substring(e.Code.Length + 2)}");
+                throw new MessageException(e.Code, $"{FullName}: {e.Text}");
             }
         }
     }

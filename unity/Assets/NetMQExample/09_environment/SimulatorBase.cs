@@ -74,10 +74,7 @@ namespace NetMQExample
                 // A value that cannot be written is found here.
                 Reply.Header();
             }
-            catch (Exception e)
-            {
-                Reply = Refusal(e);
-            }
+            catch (Exception e) { Reply = Refusal(e); }
         }
 
         /// <summary>A hello: name, dt and the kinds of agents.</summary>
@@ -105,8 +102,7 @@ namespace NetMQExample
 
         private Message Refusal(Exception e)
         {
-            if (e is MessageException known)
-                return Error(known.Code, known.Message.Substring(known.Code.Length + 2));
+            if (e is MessageException known) return Error(known.Code, known.Text);
             // A mistake in the simulation must not end it: its place is for whoever writes it.
             Mistake(e);
             var text = LogText.Printable((e.Message ?? "").Split('\n')[0]);

@@ -149,8 +149,7 @@ namespace NetMQExample
             }
             catch (MessageException e)
             {
-                var text = e.Message.Substring(e.Code.Length + 2);
-                return new Message("error", request.Id) { Values = { ["code"] = e.Code, ["text"] = text } };
+                return new Message("error", request.Id) { Values = { ["code"] = e.Code, ["text"] = e.Text } };
             }
         }
     }

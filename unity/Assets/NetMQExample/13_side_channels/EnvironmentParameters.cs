@@ -35,21 +35,15 @@ namespace NetMQExample
         {
             var key = msg.ReadString("");
             var kind = msg.ReadInt32();
-            if (kind == 1)
-            {
-                parameters[key] = Sampler(msg);
-            }
+            if (kind == 1) parameters[key] = Sampler(msg);
             else if (kind == 0)
             {
                 var value = msg.ReadFloat32();
                 parameters[key] = () => value;
                 if (callbacks.TryGetValue(key, out var action)) action(value);
             }
-            else
-            {
-                throw new UnityAgentsException(
-                    $"parameters are of type 0 or 1, not {kind}: are both sides of one release?");
-            }
+            else throw new UnityAgentsException(
+                $"parameters are of type 0 or 1, not {kind}: are both sides of one release?");
         }
 
         private static Func<float> Sampler(IncomingMessage msg)

@@ -54,14 +54,12 @@ namespace NetMQExample.SideChannels
             using var data = new MemoryStream();
             using var writer = new BinaryWriter(data);
             foreach (var channel in Channels)
-            {
                 while (channel.TryTake(SideChannel.LargestExchangeBytes - data.Length, out var message))
                 {
                     writer.Write(channel.ChannelId.ToByteArray());
                     writer.Write(message.Length);
                     writer.Write(message);
                 }
-            }
             return data.ToArray();
         }
 
@@ -71,14 +69,8 @@ namespace NetMQExample.SideChannels
         {
             foreach (var exchange in exchanges)
             {
-                try
-                {
-                    ProcessSideChannelData(exchange);
-                }
-                catch (UnityAgentsException e)
-                {
-                    Report(e.Message);
-                }
+                try { ProcessSideChannelData(exchange); }
+                catch (UnityAgentsException e) { Report(e.Message); }
             }
         }
 
@@ -91,12 +83,12 @@ namespace NetMQExample.SideChannels
                 var left = dataReceived.Length - offset - 20;
                 if (left < 0)
                     throw new UnityAgentsException($"an exchange that ends with {left + 20} bytes of a header");
-                var id = new Guid(Part(dataReceived, offset, 16));
+                var id = new Guid(dataReceived.AsSpan(offset, 16));
                 var length = BitConverter.ToInt32(dataReceived, offset + 16);
                 if (length < 0 || length > left)
                     throw new UnityAgentsException(
                         $"a message to channel {id} of {length} bytes, of which {left} are there");
-                var message = Part(dataReceived, offset + 20, length);
+                var message = dataReceived.AsSpan(offset + 20, length).ToArray();
                 offset += 20 + length;
                 var channel = Channels.Find(one => one.ChannelId == id);
                 if (channel == null) Keep(id, message);
@@ -104,20 +96,10 @@ namespace NetMQExample.SideChannels
             }
         }
 
-        private static byte[] Part(byte[] data, int offset, int length)
-        {
-            var part = new byte[length];
-            Buffer.BlockCopy(data, offset, part, 0, length);
-            return part;
-        }
-
         // An error in one channel leaves the others alone.
         private static void Deliver(SideChannel channel, byte[] message)
         {
-            try
-            {
-                channel.ProcessMessage(message);
-            }
+            try { channel.ProcessMessage(message); }
             catch (Exception e)
             {
                 var why = e is UnityAgentsException ? e.Message : $"its handler threw {e}";

@@ -55,14 +55,8 @@ namespace NetMQExample.SideChannels
         {
             if (Left <= 0) return defaultValue;
             var length = Math.Min(ReadLength(), Left);
-            try
-            {
-                return Utf8.GetString(buffer, Advance(length), length);
-            }
-            catch (ArgumentException)
-            {
-                throw new UnityAgentsException("a text that is neither ASCII nor UTF-8");
-            }
+            try { return Utf8.GetString(buffer, Advance(length), length); }
+            catch (ArgumentException) { throw new UnityAgentsException("a text that is neither ASCII nor UTF-8"); }
         }
 
         /// <summary>Its count, and so many numbers; those that are missing are 0.</summary>

@@ -10,9 +10,7 @@ namespace NetMQExample.SideChannels
     public sealed class SideChannelSimulator : SimulatorDecorator
     {
         /// <summary>For a simulator, which from then on nobody else asks.</summary>
-        public SideChannelSimulator(SimulatorBase simulator) : base(simulator)
-        {
-        }
+        public SideChannelSimulator(SimulatorBase simulator) : base(simulator) { }
 
         /// <inheritdoc/>
         public override Message Describe()
