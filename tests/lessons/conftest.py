@@ -273,3 +273,17 @@ def make(inside):
     yield make_env
     for env in made:
         env.close()
+
+
+@pytest.fixture
+def areas(inside, make):
+    """areas(4): so many poles in this process; `simulator` of what it gives is there to be lost."""
+    gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
+
+    def made(count=3, **more):
+        simulator = inside(simulated(count=count))
+        envs = make(gymnasium.make_vec, "NetMQExample/CartPole-v0", count, socket=simulator.socket, **more)
+        envs.simulator = simulator
+        return envs
+
+    return made

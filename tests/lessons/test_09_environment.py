@@ -25,9 +25,8 @@ from netmq_example.envs import UnityGymEnv  # noqa: E402
 from netmq_example.messages import MessageError  # noqa: E402
 from netmq_example.scene.agent import begin  # noqa: E402
 from netmq_example.wire.split_mix import draws  # noqa: E402
-from netmq_example.worlds import cross_entropy  # noqa: E402
-from netmq_example.worlds.cart_pole import DT, CartPole  # noqa: E402
 from netmq_example.worlds.road_car import RoadCar  # noqa: E402
+from tests.lessons.poles import timeless, trained  # noqa: E402
 
 # The state of seed 7, as float32; and what is seen 25 steps later, of right and left in turn.
 GOLDEN_START = ["-0x1.6901820000000p-7", "-0x1.8bd8d60000000p-5", "0x1.484d9c0000000p-5", "0x1.0fbef80000000p-7"]
@@ -213,47 +212,9 @@ def test_it_is_registered_once_and_needs_no_pettingzoo(order, launch, tmp_path):
 # Training
 
 
-class Bare(gymnasium.Env):  # type: ignore[name-defined]
-    """The agent alone, as the trainer uses an environment of it."""
-
-    observation_space, action_space = CartPole.observation, CartPole.action
-
-    def reset(self, *, seed=None, options=None):
-        self.pole = CartPole()
-        begin(self.pole, draws(seed), {}, [])
-        self.pole.on_reset()
-        return self.pole.observe(), {}
-
-    def step(self, action):
-        self.pole.on_action(action)
-        self.pole.on_tick(DT)
-        self.pole.on_stepped()
-        return self.pole.observe(), 1.0, self.pole.terminated, False, {}
-
-
-def trained(caplog, seed, generations):
-    """The lines of a training, without how fast it was."""
-    env, steps = gymnasium.wrappers.TimeLimit(Bare(), cross_entropy.STEPS), []
-    caplog.set_level("INFO", "netmq_example")
-    caplog.clear()
-
-    def play(policy, seed):
-        steps.append(cross_entropy.play(env, policy, seed))
-        return steps[-1]
-
-    means = cross_entropy.train(lambda episodes: [play(*each) for each in episodes], seed, generations)
-    lines = timeless(caplog.messages)
-    assert lines[-2] == (f"generation {len(means)}: mean {means[-1]:.1f} of 200, {sum(steps):,} steps")
-    return lines
-
-
-def timeless(lines):
-    return [re.sub(", [0-9,]+ a second", "", line) for line in lines if re.match("generation|policy", line)]
-
-
 @pytest.mark.parametrize("seed", [0, 2, 4])
 def test_training_reaches_its_goal(seed, caplog):
-    lines = trained(caplog, seed, 50)
+    lines, _ = trained(caplog, seed, 50)
     assert float(re.search(r"mean (\S+) of 200", lines[-2])[1]) >= 195
 
 
@@ -264,9 +225,9 @@ def test_the_trainer_learns_the_same_from_the_same_seed(start, launch, caplog, t
     trainer = start(PYTHON, LESSON / "train.py", "--seed", "16", *plot, "--launch", *launch("python"))
     # 2,447 steps, from one process to another.
     assert trainer.wait(500) == 0, trainer.output
-    lines = trained(caplog, 16, 50)
+    lines, _ = trained(caplog, 16, 50)
     assert timeless(trainer.lines) == lines and len(lines) == 3
-    assert trained(caplog, 17, 1)[0] != lines[0]
+    assert trained(caplog, 17, 1)[0][0] != lines[0]
     if plot:
         drawn = re.findall(r"<text [^>]*>(.*?)</text>", curve.read_text(encoding="utf-8"))
         labels = {"generation", "steps until the pole falls", "mean of a generation", "good enough"}

@@ -15,7 +15,7 @@ import zmq
 
 from tests.bad_peers import SlowLine
 from tests.conftest import CLIENTS, PYTHON
-from tests.lessons.conftest import simulated
+from tests.lessons.conftest import bind, simulated
 from tests.programs import LIMIT, PATIENT, ROOT, Mark, finds_processes, free_port, steady_endpoint
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
@@ -29,7 +29,6 @@ from netmq_example.envs import UnityGymEnv  # noqa: E402
 from netmq_example.envs.connection import bound  # noqa: E402
 from netmq_example.messages import Array, Message, MessageError  # noqa: E402
 from netmq_example.scene import EnvironmentClient  # noqa: E402
-from netmq_example.scene.agent import begin  # noqa: E402
 from netmq_example.wire import trees  # noqa: E402
 from netmq_example.wire.records import (  # noqa: E402
     ABSENT,
@@ -49,8 +48,8 @@ from netmq_example.wire.records import (  # noqa: E402
 )
 from netmq_example.wire.space_bytes import Bytes  # noqa: E402
 from netmq_example.wire.spaces import described  # noqa: E402
-from netmq_example.wire.split_mix import draws  # noqa: E402
-from netmq_example.worlds.cart_pole import DT, CartPole  # noqa: E402
+from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
+from tests.lessons.poles import Bare  # noqa: E402
 
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 NOTHING_SAID: dict[str, list[object]] = {"env": [], "agent": []}
@@ -125,14 +124,9 @@ def test_a_killed_simulator_ends_the_episode_and_the_next_reset_starts_another(m
 
 
 @each_client
-def test_a_simulator_does_each_request_once_and_says_hello_on_each_connection(kind, start, client_command):
+def test_a_simulator_does_each_request_once_and_says_hello_on_each_connection(kind, start, client_command, context):
     """Else Python would wait for a hello, and the simulator for a request, each on a connection that is whole."""
-    with (
-        zmq.Context() as context,
-        context.socket(zmq.ROUTER) as router,
-        SlowLine(f"tcp://127.0.0.1:{router.bind_to_random_port('tcp://127.0.0.1')}", 0) as cable,
-    ):
-        router.linger, router.rcvtimeo = 0, int(1000 * LIMIT)
+    with context.socket(zmq.ROUTER) as router, SlowLine(bind(router), 0) as cable:
         client = start(*client_command(kind, KEY, cable.endpoint, *PATIENT))
 
         def heard(*words, kind="welcome", **values):
@@ -159,10 +153,12 @@ def test_a_simulator_does_each_request_once_and_says_hello_on_each_connection(ki
             router.send_multipart([peer, *request.frames()])
             return router.recv_multipart()[1:]
 
+        assert Message.read(ask(step(0, number(1)))).kind == "hello"
         ask(reset(1, 7))
         first = [ask(step(2, number(1))) for _ in range(3)]
         assert all(answer == first[0] for answer in first)
-        assert ask(step(3, number(1))) != first[0]
+        last = ask(step(3, number(1)))
+        assert last != first[0] and ask(step(2, number(1))) == last, "what it has done already it does not do again"
         # What is no request, and what is not in a space, is named, and the simulator goes on.
         refused = Message.read(ask(step(4, number(2)))).values
         assert refused["code"] == "not-in-space" and refused["text"].endswith("is not in Discrete(2)")
@@ -188,13 +184,9 @@ def test_a_simulator_does_each_request_once_and_says_hello_on_each_connection(ki
         assert Message.read(ask(Message("close", 1))).kind == "closed"
         assert client.wait() == 0
         assert client.lines[-1] == "done: 1 episodes, 3 steps", "a refused one is none"
-    pole = CartPole()
-    begin(pole, draws(7), {}, [])
-    pole.on_reset()
-    for action in (1, 1, 0):
-        pole.on_action(action)
-        pole.on_tick(DT)
-    assert pole.observe() == pytest.approx(seen, abs=1e-6)
+    bare = Bare()
+    bare.reset(seed=7)
+    assert [bare.step(action)[0] for action in (1, 1, 0)][-1] == pytest.approx(seen, abs=1e-6)
 
 
 @pytest.mark.parametrize("kind", ["python", "csharp"])
@@ -214,16 +206,6 @@ def test_a_server_that_is_back_before_a_step_is_over_hears_hello_first(kind, sta
                 router.send_multipart([peer, *request.frames()])
             if requests:
                 answered(router.recv_multipart()[1:])
-
-
-def test_what_a_simulator_has_done_already_it_does_not_do_again():
-    simulator = simulated()
-    assert Message.read(simulator.hello().frames()).kind == "hello"
-    assert Message.read(simulator.answer(step(0, number(1)))).kind == "hello"
-    simulator.answer(reset(1, 1))
-    for id in (2, 2, 3, 2):
-        answer = answered(simulator.answer(step(id, number(1))))
-    assert (simulator.steps, answer.id) == (2, 3)
 
 
 def test_a_slow_simulator_is_asked_again_and_late_answers_are_left_alone(here):

@@ -199,12 +199,6 @@ def test_a_class_has_its_librarys_own_as_a_direct_base(base):
     assert base in kinds[base].__bases__
 
 
-def test_a_word_that_it_does_not_know_is_refused_in_pythons_words():
-    """TorchRL tries frameskip, and looks for these words."""
-    with pytest.raises(TypeError, match="unexpected keyword argument 'frameskip'"):
-        gymnasium.make(ID, frameskip=1)
-
-
 # The end of a script
 
 

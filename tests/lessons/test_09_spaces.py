@@ -64,6 +64,7 @@ from netmq_example.wire.records import (  # noqa: E402
 from netmq_example.wire.space_bytes import Bytes  # noqa: E402
 from netmq_example.wire.spaces import described, misfit, space_of  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
+from tests.lessons.vectors import play  # noqa: E402
 
 GOLDEN = json.loads((ROOT / "tests" / "lessons" / "golden" / "09_environment.json").read_text(encoding="utf-8"))
 
@@ -511,18 +512,6 @@ class Walk(Echo):
         self.terminated, self.truncated = over and self.last % 2, over and not self.last % 2
 
 
-class Quiet(gymnasium.Wrapper):  # type: ignore[name-defined]
-    """A single environment's info has lists, a vector's only where somebody has sent something."""
-
-    def reset(self, **words):
-        seen, info = self.env.reset(**words)
-        return seen, {key: value for key, value in info.items() if value != []}
-
-    def step(self, action):
-        *rest, info = self.env.step(action)
-        return *rest, {key: value for key, value in info.items() if value != []}
-
-
 WALKS = {
     "of a fixed size": Dict(
         {"a": Discrete(3, start=1), "b": PAIR, "c": Tuple([MultiBinary(2), MultiDiscrete([2, 3])])}
@@ -531,35 +520,21 @@ WALKS = {
 }
 
 
-@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP, AutoresetMode.DISABLED])
+@pytest.mark.parametrize("mode", AutoresetMode)
 @pytest.mark.parametrize("kind", WALKS)
-def test_batches_are_those_of_gymnasium(kind, mode, inside):
+def test_batches_are_those_of_gymnasium(kind, mode, inside, make):
     space, count = WALKS[kind], 3
 
     def walk():
         return Walk(space_of(trees.read(trees.write(described(space)))))
 
     def single():
-        return TimeLimit(Quiet(UnityGymEnv("Walk", socket=inside(simulator("Walk", walk())).socket)), 5)
+        return TimeLimit(UnityGymEnv("Walk", socket=inside(simulator("Walk", walk())).socket), 5)
 
     many = inside(simulator("Walk", *(walk() for _ in range(count))))
-    ours = UnityVectorEnv(count, "Walk", max_episode_steps=5, autoreset_mode=mode, socket=many.socket)
-    theirs = SyncVectorEnv([single] * count, autoreset_mode=mode)
-    with contextlib.closing(ours), contextlib.closing(theirs):
-        assert ours.metadata["autoreset_mode"] == mode == theirs.metadata["autoreset_mode"]
-        assert (ours.observation_space, ours.action_space) == (theirs.observation_space, theirs.action_space)
-        assert data_equivalence(ours.reset(seed=7), theirs.reset(seed=7), exact=True)
-        theirs.action_space.seed(1)
-        ends = np.zeros(2, int)
-        for _ in range(30):
-            action = theirs.action_space.sample()
-            mine, other = ours.step(action), theirs.step(action)
-            assert data_equivalence(mine, other, exact=True)
-            ends += mine[2].sum(), mine[3].sum()
-            over = mine[2] | mine[3]
-            if mode == AutoresetMode.DISABLED and over.any():
-                mine, other = (envs.reset(options={"reset_mask": over.copy()}) for envs in (ours, theirs))
-                assert data_equivalence(mine, other, exact=True)
-        assert (ends > 3).all(), "episodes ended both ways"
-        for again in ({"seed": [10, 11, 12]}, {"options": {"state": [3.0]}}):
-            assert data_equivalence(ours.reset(**again), theirs.reset(**again), exact=True)
+    ours = make(UnityVectorEnv, count, "Walk", max_episode_steps=5, autoreset_mode=mode, socket=many.socket)
+    theirs = make(SyncVectorEnv, [single] * count, autoreset_mode=mode)
+    theirs.action_space.seed(1)
+    again = {"seed": [10, 11, 12]}, {"options": {"state": [3.0]}}
+    ends = play([ours, theirs], lambda seen, step: theirs.action_space.sample(), 30, {"seed": 7}, *again)
+    assert (ends.sum(1) > 3).all(), "episodes ended both ways"

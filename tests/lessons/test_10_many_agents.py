@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import contextlib
 import inspect
+import re
 import sys
 import time
 import warnings
@@ -49,20 +50,10 @@ from netmq_example.wire.records import (  # noqa: E402
 )
 from netmq_example.worlds.pursuit import Pursuit  # noqa: E402
 from tests.lessons.office import VALUES, office  # noqa: E402
+from tests.lessons.vectors import play  # noqa: E402
 
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 MODES = ["NextStep", "SameStep", "Disabled"]
-
-
-@pytest.fixture
-def areas(inside, make):
-    """Areas of a simulator in this process."""
-
-    def made(**more):
-        simulator = inside(simulated(count=AREAS))
-        return make(gymnasium.make_vec, "NetMQExample/CartPole-v0", AREAS, socket=simulator.socket, **more)
-
-    return made
 
 
 @pytest.fixture
@@ -86,7 +77,7 @@ def kept():
 def csharp_areas(kept, launch):
     if "areas" not in kept:
         words = launch("csharp", "--world", "CartPole", "--areas", str(AREAS), key=KEY)
-        kept["areas"] = gymnasium.make_vec("NetMQExample/CartPole-v0", AREAS, launch=words, render_mode="rgb_array")
+        kept["areas"] = gymnasium.make_vec("NetMQExample/CartPole-v0", AREAS, launch=words)
     return kept["areas"]
 
 
@@ -137,20 +128,6 @@ def info(value):
 # The same everywhere
 
 
-def without_lists(infos):
-    """Infos of one agent's environment, its own and its scene's, are lists always; a vector's if they are not empty."""
-    assert all(one in ([], None) for name in ("env", "agent") if name in infos for one in infos[name])
-    finals = {"final_info": without_lists(infos["final_info"])} if "final_info" in infos else {}
-    return {**{name: infos[name] for name in infos if name.strip("_") not in ("env", "agent")}, **finals}
-
-
-def same(ours, theirs):
-    assert data_equivalence(ours[0], theirs[0], exact=True), "observations"
-    for mine, other in zip(ours[1:-1], theirs[1:-1], strict=True):
-        assert np.array_equal(mine, other) and mine.dtype == other.dtype
-    assert data_equivalence(ours[-1], theirs[-1], exact=True), f"{ours[-1]} {theirs[-1]}"
-
-
 @pytest.mark.parametrize("mode", MODES)
 def test_one_environment_is_the_same_to_the_last_bit_wherever_it_is(mode, launch, inside, make):
     """In this process and launched, in Python and in C#, and as Gymnasium has so many single ones. Cars leave the road,
@@ -169,30 +146,14 @@ def test_one_environment_is_the_same_to_the_last_bit_wherever_it_is(mode, launch
     def single():
         return gymnasium.make("NetMQExample/Car-v0", socket=inside(simulated("Car")).socket, **more)
 
-    singles = SyncVectorEnv([single] * AREAS, autoreset_mode=mode)
-    with contextlib.closing(singles):
-        assert [envs.metadata["autoreset_mode"] for envs in ours] == [singles.metadata["autoreset_mode"]] * 3
+    def act(seen, step):
+        action = np.array([[1, 1], [-1, 1], *drive(seen)[2:]], np.float32)
+        action[2, 0] *= np.float32(0.1 * (step % 10))
+        return action
 
-        def all_alike(do):
-            *_, theirs = said = [do(envs) for envs in (*ours, singles)]
-            theirs = *theirs[:-1], without_lists(theirs[-1])
-            for each in said[:-1]:
-                same(each, theirs)
-            return said[0]
-
-        said = all_alike(lambda envs: envs.reset(seed=5))
-        ends = np.zeros(2, int)
-        for step in range(230):
-            action = np.array([[1, 1], [-1, 1], *drive(said[0])[2:]], np.float32)
-            action[2, 0] *= np.float32(0.1 * (step % 10))
-            said = all_alike(lambda envs: envs.step(action))  # noqa: B023, it is called at once.
-            ends += said[2].sum(), said[3].sum()
-            over = said[2] | said[3]
-            if mode == "Disabled" and over.any():
-                all_alike(lambda envs: envs.reset(options={"reset_mask": over.copy()}))  # noqa: B023
-        assert (ends > 3).all(), "both ways"
-        all_alike(lambda envs: envs.reset(seed=[7, 8, 9, 10]))
-        all_alike(lambda envs: envs.reset(seed=5, options={"state": [30.0]}))
+    envs = [*ours, make(SyncVectorEnv, [single] * AREAS, autoreset_mode=mode)]
+    ends = play(envs, act, 230, {"seed": 5}, {"seed": [7, 8, 9, 10]}, {"seed": 5, "options": {"state": [30.0]}})
+    assert (ends.sum(1) > 3).all(), "both ways"
 
 
 def test_agent_number_i_has_the_seed_and_i_in_every_class(at_work):
@@ -436,17 +397,9 @@ def test_a_crowd_of_cars_stays_on_its_roads(kind, serve, start, client_command):
     assert client.lines[-1] == "done: 3 episodes, 3000 steps"
 
 
-def test_each_area_has_its_picture(csharp_areas, areas):
-    for envs in csharp_areas, areas(render_mode="rgb_array"):
-        envs.reset(seed=[1, 2, 3, 4])
-        pictures = envs.render()
-        assert [picture.shape for picture in pictures] == [(200, 300, 3)] * AREAS
-        assert len({picture.tobytes() for picture in pictures}) == AREAS
-
-
 def test_areas_name_what_is_wrong_and_none_of_them_moves(csharp_areas, areas):
     """Golden bytes of lesson 09 have all that a simulator refuses."""
-    for envs in csharp_areas, areas():
+    for envs in csharp_areas, areas(AREAS):
         seen, _ = envs.reset(seed=1)
         # To Gymnasium 1.1, numbers with a fraction are in a MultiDiscrete: then it is one agent's that is refused.
         wrong = r"are not in MultiDiscrete\(\[2 2 2 2\]\)|^not-in-space: .*0\.5.* is not in Discrete\(2\)"
@@ -465,7 +418,7 @@ def test_areas_name_what_is_wrong_and_none_of_them_moves(csharp_areas, areas):
         nobody = envs.simulators.ask(resets([NOTHING] * AREAS)).sections[0]
         assert (bytes(nobody.marks), len(nobody.values)) == (bytes(AREAS), 0)
         # Had anybody moved, this were another place.
-        still = envs.step(np.ones(AREAS, int))[0]
+        still = envs.step(np.ones(AREAS, np.int32))[0]
         envs.reset(seed=1)
         assert np.array_equal(envs.step(np.ones(AREAS, int))[0], still) and not np.array_equal(still, seen)
 
@@ -544,8 +497,9 @@ def test_a_picture_shows_who_is_in_the_game(played):
 def test_an_agent_nobody_knows_and_an_action_outside_its_space(played):
     played.reset(seed=1)
     fine = dict.fromkeys(played.agents, 0)
-    for wrong in ({**fine, "ghost": 0}, {"hunter_0": 0}):
-        with pytest.raises(ValueError, match=r"actions \{'hunter_0'.*, but those that live are \['hunter_0', "):
+    for wrong in ({**fine, "ghost": 0}, {"hunter_0": 0}, None, [0] * 5, 0, {}):
+        text = re.escape(f"{wrong!s:.60}"[:60])
+        with pytest.raises(ValueError, match=rf"^actions {text}.*, but those that live are \['hunter_0', "):
             played.step(wrong)
     with pytest.raises(ValueError, match=r"action 5 is not in Discrete\(5\), agent rabbit_1"):
         played.step({**fine, "rabbit_1": 5})

@@ -35,6 +35,7 @@ from netmq_example.wire.records import (  # noqa: E402
     seeds,
     with_sizes,
 )
+from tests.lessons.test_10_many_agents_faults import OldArray  # noqa: E402
 
 
 class Asks:
@@ -226,13 +227,6 @@ def told(agent, what, **more):
 
 def give(**values):
     return lambda agent: agent.__dict__.update(values)
-
-
-class OldArray(np.ndarray):  # type: ignore[name-defined]
-    """As numpy 1.24 has it: an array of one number is a number."""
-
-    def __float__(self):
-        return float(self.item())
 
 
 SAID = [

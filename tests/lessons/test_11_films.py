@@ -332,8 +332,9 @@ def test_a_film_goes_on_when_its_game_is_gone_and_in_the_one_that_comes_then(mak
     assert steps_of(env.render()) == [0, 1]
 
 
-def test_without_a_render_mode_nothing_is_filmed(make):
-    env = make(shows=False, views=["", "front"])
+@pytest.mark.parametrize("kind", [UnityGymEnv, UnityVectorEnv, UnityParallelEnv])
+def test_without_a_render_mode_nothing_is_filmed(kind, make):
+    env = make(kind, shows=False, views=["", "front"])
     env.reset()
     for call in (env.begin_render, env.render_all, env.render):
         with pytest.warns(UserWarning, match='render gives no picture: make the environment with render_mode="rgb_'):

@@ -84,12 +84,6 @@ def test_a_scene_whose_only_agent_is_wrong_ends_and_says_why(run):
     player.wait_for("^gave up: Runner has no agents: ")
 
 
-def test_several_agents_of_one_name_are_numbered(run):
-    _, error, player = run("two")
-    assert error.startswith("wrong-scene: the scene has 2 agents named agent_0, agent_1: say which with agent_name")
-    assert player.output.count("gave up: ") == 0
-
-
 def test_a_script_can_set_the_step_period(run):
     _, _, player = run("period")
     player.wait_for("^done: 1 episodes, 4 steps")

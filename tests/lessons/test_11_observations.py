@@ -14,14 +14,15 @@ import zmq
 
 from kitlib.docs import guide
 from tests.conftest import CLIENTS
+from tests.lessons.conftest import bind
 from tests.lessons.test_11_trees import same
-from tests.programs import LIMIT, ROOT
+from tests.programs import ROOT
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 11 needs gymnasium: kit.py run 11 installs it")
 np = pytest.importorskip("numpy", reason="lesson 11 needs numpy: kit.py run 11 installs it")
 pytest.importorskip("pettingzoo", reason="lesson 11 needs pettingzoo: kit.py run 10 installs it")
 from gymnasium import spaces  # noqa: E402
-from gymnasium.utils.env_checker import check_env, data_equivalence  # noqa: E402
+from gymnasium.utils.env_checker import check_env  # noqa: E402
 from gymnasium.vector import AutoresetMode, SyncVectorEnv  # noqa: E402
 from gymnasium.vector.utils import batch_space, concatenate, create_empty_array, iterate  # noqa: E402
 from pettingzoo.test import parallel_api_test  # noqa: E402
@@ -30,6 +31,7 @@ from netmq_example.envs import UnityParallelEnv  # noqa: E402
 from netmq_example.messages import Message, MessageError  # noqa: E402
 from netmq_example.wire import records, trees  # noqa: E402
 from netmq_example.wire.records import Record, Section  # noqa: E402
+from tests.lessons.vectors import play  # noqa: E402
 
 KEY = "11_observations"
 sys.path.append(str(ROOT / "python" / KEY))
@@ -77,12 +79,10 @@ def test_both_languages_see_the_same_to_the_last_bit(make, launch):
     assert said[3][0]["agent"] == [seen[0]["says"]] and re.fullmatch(r"coin 3 after \d+ steps", seen[0]["says"])
 
 
-def talk(kind, start, client_command, count=3):
+def talk(kind, start, client_command, context, count=3):
     """Every frame that a simulator sends in an episode of a few steps."""
-    with zmq.Context() as context, context.socket(zmq.ROUTER) as router:
-        router.linger, router.rcvtimeo = 0, int(1000 * LIMIT)
-        endpoint = f"tcp://127.0.0.1:{router.bind_to_random_port('tcp://127.0.0.1')}"
-        client = start(*client_command(kind, KEY, endpoint))
+    with context.socket(zmq.ROUTER) as router:
+        client = start(*client_command(kind, KEY, bind(router)))
         peer, *hello = router.recv_multipart()
         said = [hello]
 
@@ -117,9 +117,9 @@ def talk(kind, start, client_command, count=3):
         return said
 
 
-def test_both_languages_send_the_same_bytes(start, client_command):
+def test_both_languages_send_the_same_bytes(start, client_command, context):
     """But for the words of an error."""
-    python, csharp = (talk(kind, start, client_command) for kind in ("python", "csharp"))
+    python, csharp = (talk(kind, start, client_command, context) for kind in ("python", "csharp"))
     assert len(python) == len(csharp)
     codes = []
     for mine, other in zip(python, csharp, strict=True):
@@ -185,17 +185,6 @@ def policies(seen):
     return concatenate(collector.ACTION, actions, create_empty_array(collector.ACTION, 3))
 
 
-def spoken(infos):
-    """Without the empty lists that one alone has in each info, so that its user needs no `in`."""
-    found = {key: spoken(part) if key == "final_info" else part for key, part in infos.items()}
-    for key in {"env", "agent"} & found.keys():
-        mask = np.array([bool(said) for said in found.pop(key)])
-        found.pop(f"_{key}")
-        if mask.any():
-            found |= {key: np.where(mask, infos[key], None), f"_{key}": mask}
-    return found
-
-
 @pytest.mark.parametrize("mode", AutoresetMode)
 @pytest.mark.parametrize("kind", ["python", "csharp"])
 def test_a_vector_of_agents_is_what_gymnasium_makes_of_single_ones(kind, mode, make, launch):
@@ -205,27 +194,9 @@ def test_a_vector_of_agents_is_what_gymnasium_makes_of_single_ones(kind, mode, m
     ours = make(vector, launch=launched, autoreset_mode=mode, **words)
     singles = [lambda: gymnasium.make("NetMQExample/Unity-v0", env_name="Coins", launch=launch(kind), **words)] * 3
     theirs = make(lambda **_: SyncVectorEnv(singles, autoreset_mode=mode))
-    assert ours.metadata["autoreset_mode"] == theirs.metadata["autoreset_mode"] == mode
-    assert (ours.observation_space, ours.action_space) == (theirs.observation_space, theirs.action_space)
-
-    def alike(mine, other):
-        *most, infos = other
-        assert data_equivalence(mine, (*most, spoken(infos)), exact=True), (mine, other)
-        return mine
-
-    seen, _ = alike(ours.reset(seed=7), theirs.reset(seed=7))
-    ends = [0, 0]
-    for _ in range(80):
-        actions = policies(seen)
-        seen, _, *over, _ = alike(ours.step(actions), theirs.step(actions))
-        ends = [count + each.sum() for count, each in zip(ends, over, strict=True)]
-        again = {"reset_mask": over[0] | over[1]}
-        if mode == AutoresetMode.DISABLED and again["reset_mask"].any():
-            seen, _ = alike(ours.reset(options=dict(again)), theirs.reset(options=dict(again)))
-    assert min(ends) > 1, "episodes ended both ways"
-    seeds = [3, None, 5]
-    for again in ({"seed": seeds}, {"seed": 9, "options": {"x": [1, "y"]}}):
-        alike(ours.reset(**again), theirs.reset(**again))
+    again = {"seed": [3, None, 5]}, {"seed": 9, "options": {"x": [1, "y"]}}
+    ends = play([ours, theirs], lambda seen, step: policies(seen), 80, {"seed": 7}, *again)
+    assert ends.sum(1).min() > 1, "episodes ended both ways"
 
 
 # Agents that do what they are told: tests/lessons/checks/World.cs
@@ -303,21 +274,6 @@ def test_what_is_said_and_earned_between_two_steps_is_told_once_or_forgotten_at_
         assert (reward, none, info) == (0, [False, False], {"env": [], "agent": []})
         assert alone.step(what)[2:4] == ends
         alone.reset()
-
-
-def test_observations_are_copies_and_begin_with_nothing(alone):
-    first, _ = alone.reset(seed=1)
-    assert same(first["said"], ()), "no sample"
-    assert same(first["value"], np.zeros(2, np.float32)), "what nothing writes is zero"
-    first["value"][:] = 5
-    seen, *_ = alone.step("say one two")
-    assert same(seen["value"], np.zeros(2, np.float32)) and seen["said"] == ("one", "two")
-    kept = seen["value"].copy()
-    seen, *_ = alone.step("value 3")
-    assert same(kept, np.zeros(2, np.float32)) and seen["value"].tolist() == [0, 3], "a part of it"
-    seen["value"][:] = 7
-    seen, *_ = alone.step("say x")
-    assert seen["value"].tolist() == [0, 3] and seen["said"] == ("x",), "the message before is cleared"
 
 
 @pytest.mark.parametrize(

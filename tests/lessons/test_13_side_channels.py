@@ -20,6 +20,7 @@ from netmq_example.mlagents_envs.side_channel.raw_bytes_channel import RawBytesC
 from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
 from netmq_example.mlagents_envs.unity_channels import EnvironmentParameters
 from tests.conftest import PYTHON
+from tests.lessons.conftest import bind
 from tests.lessons.test_13_side_channels_bytes import (
     LOG,
     RUNTIMES,
@@ -116,12 +117,10 @@ def test_what_both_sides_slept_is_no_silence(kind, serve, start, client_command)
 
 
 @each_terminal
-def test_a_round_that_was_lost_is_told_again(kind, serve, start, client_command):
+def test_a_round_that_was_lost_is_told_again(kind, serve, start, client_command, context):
     """A server takes it, and is gone before it says that it has."""
-    with zmq.Context() as context, context.socket(zmq.ROUTER) as dying:
-        dying.linger = 0
-        endpoint = steady_endpoint()
-        dying.bind(endpoint)
+    with context.socket(zmq.ROUTER) as dying:
+        endpoint = bind(dying, steady_endpoint())
         client = start(*client_command(kind, KEY, endpoint, "--count", "2", *PATIENT))
         assert dying.poll(60_000)
         peer, _ = dying.recv_multipart()
@@ -136,11 +135,10 @@ def test_a_round_that_was_lost_is_told_again(kind, serve, start, client_command)
 
 
 @each_terminal
-def test_a_server_of_something_else_is_given_up(kind, start, client_command):
+def test_a_server_of_something_else_is_given_up(kind, start, client_command, context):
     """One that answers everything, and never what was asked."""
-    with zmq.Context() as context, context.socket(zmq.ROUTER) as echo:
-        echo.linger = 0
-        endpoint = f"tcp://127.0.0.1:{echo.bind_to_random_port('tcp://127.0.0.1')}"
+    with context.socket(zmq.ROUTER) as echo:
+        endpoint = bind(echo)
         # A busy machine may not echo within a second.
         for limit in (1, 10, 60):
             client = start(*client_command(kind, KEY, endpoint, "--timeout", f"{limit}"))
@@ -155,7 +153,7 @@ def test_a_server_of_something_else_is_given_up(kind, start, client_command):
     assert f"gave up: round 0 was not seen within {2 * limit} s; is that lesson 13's server?" in client.output
 
 
-def test_the_programs_of_the_page_talk(start, checks, tmp_path):
+def test_the_programs_of_the_page_talk(start, checks, connect, tmp_path):
     """A player that comes again gets all of it again."""
     python, csharp = (block.body for block in guide.blocks(PAGE) if "a file of yours" in block.source)
     assert csharp == (ROOT / "tests" / "lessons" / "checks" / "Weather.cs").read_text(encoding="utf-8")
@@ -170,41 +168,32 @@ def test_the_programs_of_the_page_talk(start, checks, tmp_path):
     winds, heard = EnvironmentParameters(), set()
     winds.register_callback("wind", heard.add)
     manager = SideChannelManager([winds])
-    with zmq.Context() as context, context.socket(zmq.DEALER) as simulator:
-        simulator.linger = 0
-        simulator.connect(endpoint)
-        simulator.send(b"")
-        while len(heard) < 3:
-            assert simulator.poll(60_000)
-            manager.process_side_channel_message(simulator.recv())
+    simulator = connect(endpoint)
+    simulator.send(b"")
+    while len(heard) < 3:
+        assert simulator.poll(60_000)
+        manager.process_side_channel_message(simulator.recv())
 
 
-def test_python_knows_so_many_simulators_and_no_more(serve):
+def test_python_knows_so_many_simulators_and_no_more(serve, connect):
     server, endpoint = serve(KEY)
-    with zmq.Context() as context:
-        crowd = []
-        for _ in range(65):
-            crowd.append(context.socket(zmq.DEALER))
-            crowd[-1].linger = 0
-            crowd[-1].connect(endpoint)
-        *first, last = crowd
-        for one in first:
-            one.send(b"")
-            assert one.poll(100_000), "each is welcomed"
-            assert b"Hello" in one.recv()
-        while "64 simulators are here" not in server.output:
-            for one in crowd:
-                one.send(b"")
-            for one in first:
-                assert one.poll(100_000)
-                assert one.recv() == b"", "it is known, and not welcomed anew"
-        # When the others are silent, there is room for another one.
-        end = time.monotonic() + 60
-        while not last.poll(500) and time.monotonic() < end:
-            last.send(b"")
-        assert b"Hello" in last.recv(zmq.NOBLOCK)
+    crowd = [connect(endpoint) for _ in range(65)]
+    *first, last = crowd
+    for one in first:
+        one.send(b"")
+        assert one.poll(100_000), "each is welcomed"
+        assert b"Hello" in one.recv()
+    while "64 simulators are here" not in server.output:
         for one in crowd:
-            one.close()
+            one.send(b"")
+        for one in first:
+            assert one.poll(100_000)
+            assert one.recv() == b"", "it is known, and not welcomed anew"
+    # When the others are silent, there is room for another one.
+    end = time.monotonic() + 60
+    while not last.poll(500) and time.monotonic() < end:
+        last.send(b"")
+    assert b"Hello" in last.recv(zmq.NOBLOCK)
     assert server.stop() == 0, server.output
 
 
@@ -228,12 +217,11 @@ def test_unity_does_what_the_settings_say(runtime, netmq, checks):
     ]
 
 
-def test_pictures_are_raw_bytes_in_their_order(checks):
+def test_pictures_are_raw_bytes_in_their_order(checks, context):
     """128 x 128 in colour, from C# to Python, each answered with an empty message."""
     count, seen, channels = 30, 0, []
-    with zmq.Context() as context, context.socket(zmq.ROUTER) as socket:
-        socket.linger, socket.rcvtimeo = 0, 20
-        endpoint = f"tcp://127.0.0.1:{socket.bind_to_random_port('tcp://127.0.0.1')}"
+    with context.socket(zmq.ROUTER) as socket:
+        socket.rcvtimeo, endpoint = 20, bind(socket)
 
         def welcome():
             channels.append(RawBytesChannel(STRANGER))

@@ -26,6 +26,7 @@ from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideCh
 from netmq_example.mlagents_envs.side_channel.stats_side_channel import StatsSideChannel
 from netmq_example.mlagents_envs.unity_channels import EngineSettings, EnvironmentParameters, StatsRecorder, uniform
 from netmq_example.trouble import Trouble
+from tests.lessons.conftest import bind
 from tests.lessons.test_13_side_channels_bytes import (
     LOG,
     STRANGER,
@@ -43,28 +44,25 @@ KEY = "13_side_channels"
 PROPERTIES = FloatPropertiesChannel().channel_id
 
 
-def test_one_that_says_too_much_does_not_keep_the_others_waiting(serve):
+def test_one_that_says_too_much_does_not_keep_the_others_waiting(serve, connect):
     _, endpoint = serve(KEY)
-    with zmq.Context() as context, context.socket(zmq.DEALER) as talker, context.socket(zmq.DEALER) as other:
-        talker.linger = other.linger = 0
-        talker.connect(endpoint)
-        other.connect(endpoint)
-        talker.send(b"")
-        assert talker.poll(60_000)
-        talker.recv()
-        # Each is answered with the property `seen`, 32 bytes.
-        talker.send(frame(PROPERTIES, b"") * 100_000)
-        other.send(b"")
-        assert other.poll(60_000)
-        assert b"Hello" in other.recv()
-        answered = 0
-        while talker.poll(0):
-            answered += talker.recv().count(b"seen")
-        assert answered < 100_000, "the other was answered in between"
-        while answered < 100_000:
-            assert talker.poll(60_000), answered
-            answered += talker.recv().count(b"seen")
-        assert answered == 100_000, "and nothing was lost"
+    talker, other = connect(endpoint), connect(endpoint)
+    talker.send(b"")
+    assert talker.poll(60_000)
+    talker.recv()
+    # Each is answered with the property `seen`, 32 bytes.
+    talker.send(frame(PROPERTIES, b"") * 100_000)
+    other.send(b"")
+    assert other.poll(60_000)
+    assert b"Hello" in other.recv()
+    answered = 0
+    while talker.poll(0):
+        answered += talker.recv().count(b"seen")
+    assert answered < 100_000, "the other was answered in between"
+    while answered < 100_000:
+        assert talker.poll(60_000), answered
+        answered += talker.recv().count(b"seen")
+    assert answered == 100_000, "and nothing was lost"
 
 
 def test_the_parts_of_an_exchange_are_the_exchange():
@@ -83,12 +81,11 @@ def test_the_parts_of_an_exchange_are_the_exchange():
 
 
 @each_terminal
-def test_a_flood_of_what_is_wrong_is_no_flood_of_lines(kind, start, client_command):
+def test_a_flood_of_what_is_wrong_is_no_flood_of_lines(kind, start, client_command, context):
     """Messages that nobody can read, to a channel that is there and to one that is not."""
     wrong = frame(PROPERTIES, b"\xff" * 4) * 500 + frame(uuid.UUID(int=7), b"") * 500
-    with zmq.Context() as context, context.socket(zmq.ROUTER) as server:
-        server.linger = 0
-        endpoint = f"tcp://127.0.0.1:{server.bind_to_random_port('tcp://127.0.0.1')}"
+    with context.socket(zmq.ROUTER) as server:
+        endpoint = bind(server)
         # How many more there were is said each second. A busy machine may have no word within four seconds.
         for limit in (4, 20, 60):
             client = start(*client_command(kind, KEY, endpoint, "--timeout", f"{limit}"))
@@ -106,11 +103,10 @@ def test_a_flood_of_what_is_wrong_is_no_flood_of_lines(kind, start, client_comma
 
 
 @each_terminal
-def test_what_is_no_number_is_printed_in_the_same_way(kind, start, client_command):
+def test_what_is_no_number_is_printed_in_the_same_way(kind, start, client_command, context):
     """It is queued between two exchanges, and leaves with `send`."""
-    with zmq.Context() as context, context.socket(zmq.ROUTER) as socket:
-        socket.linger, socket.rcvtimeo, parameters = 0, 20, []
-        endpoint = f"tcp://127.0.0.1:{socket.bind_to_random_port('tcp://127.0.0.1')}"
+    with context.socket(zmq.ROUTER) as socket:
+        socket.rcvtimeo, endpoint, parameters = 20, bind(socket), []
 
         def welcome():
             # A client that was not answered soon comes again with a new socket.
@@ -169,7 +165,7 @@ def test_what_nobody_takes_has_a_limit_and_is_counted(csharp_says):
     assert len(lines) == 3, "said once"
 
 
-def test_a_python_that_is_silent_for_longer_is_waited_for(start, checks):
+def test_a_python_that_is_silent_for_longer_is_waited_for(start, checks, context):
     """Before it is there for the first time, and in the middle; each time that is one line."""
     endpoint = steady_endpoint()
     player = start("dotnet", checks, "scene", "OwnChannels", endpoint, "1")
@@ -183,8 +179,8 @@ def test_a_python_that_is_silent_for_longer_is_waited_for(start, checks):
         parameters[-1].set_float_parameter("wind", 1)
         return SideChannelManager([parameters[-1], stats])
 
-    with zmq.Context() as context, context.socket(zmq.ROUTER) as socket:
-        socket.linger, socket.rcvtimeo = 0, 20
+    with context.socket(zmq.ROUTER) as socket:
+        socket.rcvtimeo = 20
         socket.bind(endpoint)
         carrier = Carrier(socket, welcome, print)
         for wind in (1, 2):

@@ -23,30 +23,14 @@ import netmq_example.envs  # noqa: E402, F401
 from netmq_example import messages  # noqa: E402
 from netmq_example.fleet.members import Episode, Member, Part  # noqa: E402
 from netmq_example.fleet.trainer import FleetSocket  # noqa: E402
-from netmq_example.scene.agent import begin  # noqa: E402
 from netmq_example.security import keys  # noqa: E402
 from netmq_example.wire.records import ANSWERS, ASKS, RESET, STEP, Record, Section, read, seeds  # noqa: E402
-from netmq_example.wire.split_mix import draws  # noqa: E402
-from netmq_example.worlds.cart_pole import DT, CartPole  # noqa: E402
+from tests.lessons.poles import returns  # noqa: E402
 
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 ID = "NetMQExample/CartPole-v0"
 # An idle simulator goes home after 15 s, and on a busy machine others take longer to start.
 STAY = ("--idle", "600")
-
-
-def returns(episodes):
-    """The returns that train.py reaches with each seed, played without a network."""
-    pole, found = CartPole(), []
-    for seed in range(episodes):
-        begin(pole, draws(seed), {}, [])
-        pole.on_reset()
-        while not pole.terminated:
-            pole.on_action(int(pole.observe()[2] > 0))
-            pole.on_tick(DT)
-            pole.on_stepped()
-        found.append(int(pole.reward))
-    return found
 
 
 FORGOTTEN = """

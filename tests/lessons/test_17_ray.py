@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 import shutil
 import signal
 import sys
@@ -16,54 +15,13 @@ from tests.conftest import PYTHON
 from tests.programs import ROOT, Mark, finds_processes, python_runs
 
 pytest.importorskip("ray", reason="needs Ray: pip install ray")
-gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
+pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
 
 RAY = ROOT / "python" / "17_many_machines" / "ray_train.py"
 CLIENT = ROOT / "python" / "09_environment" / "client.py"
-from netmq_example.scene.agent import begin  # noqa: E402
-from netmq_example.wire.split_mix import draws  # noqa: E402
-from netmq_example.worlds import cross_entropy  # noqa: E402
-from netmq_example.worlds.cart_pole import DT, CartPole  # noqa: E402
+from tests.lessons.poles import timeless, trained  # noqa: E402
 
 pytestmark = [pytest.mark.xdist_group("ray"), pytest.mark.skipif(os.name == "nt", reason="Ray is in beta on Windows")]
-
-
-class Direct(gymnasium.Env):  # type: ignore[name-defined]
-    """The simulation in this very process."""
-
-    def __init__(self):
-        self.pole = CartPole()
-
-    def reset(self, *, seed=None, options=None):
-        begin(self.pole, draws(seed), {}, [])
-        self.pole.on_reset()
-        return self.pole.observe(), {}
-
-    def step(self, action):
-        self.pole.on_action(action)
-        self.pole.on_tick(DT)
-        self.pole.on_stepped()
-        return self.pole.observe(), 1.0, self.pole.terminated, False, {}
-
-
-def numbers(lines):
-    """The lines that must be equal: without the steps a second, and without what Ray says of a process that died."""
-    kept = [line for line in lines if re.match(r"generation|policy", line)]
-    return [re.sub(r", [\d,]+ a second$", "", line) for line in kept]
-
-
-@pytest.fixture
-def expected(caplog):
-    """The lines of a training, and how many episodes there were."""
-    caplog.set_level("INFO", "netmq_example")
-    env, played = gymnasium.wrappers.TimeLimit(Direct(), cross_entropy.STEPS), []
-
-    def play_all(episodes):
-        played.extend(cross_entropy.play(env, *each) for each in episodes)
-        return played[-len(episodes) :]
-
-    cross_entropy.train(play_all, 0, 50)
-    return numbers(caplog.messages), len(played)
 
 
 @pytest.fixture
@@ -76,11 +34,11 @@ def train(start):
     shutil.rmtree(folder, ignore_errors=True)
 
 
-def test_a_killed_actor_changes_no_number(train, expected):
-    lines, episodes = expected
+def test_a_killed_actor_changes_no_number(train, caplog):
+    lines, episodes = trained(caplog, 0, 50)
     trainer = train("--crash-on", "10")
     assert trainer.wait(180) == 0, trainer.output
-    assert numbers(trainer.lines) == lines
+    assert timeless(trainer.lines) == lines
     assert f"done: {episodes} episodes by 3 processes of 2 actors" in trainer.lines
 
 
@@ -115,12 +73,12 @@ runpy.run_path(client, run_name="__main__")
 
 
 @pytest.mark.long
-def test_a_lost_simulator_is_launched_again_and_changes_no_number(train, expected):
-    lines, _ = expected
+def test_a_lost_simulator_is_launched_again_and_changes_no_number(train, caplog):
+    lines, _ = trained(caplog, 0, 50)
     # Each simulator leaves after 40 episodes.
     trainer = train("--launch", sys.executable, str(CLIENT), "--count", "40")
     assert trainer.wait(180) == 0, trainer.output
-    assert numbers(trainer.lines) == lines
+    assert timeless(trainer.lines) == lines
 
 
 @pytest.mark.long

@@ -14,6 +14,7 @@ import pytest
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 17 needs gymnasium: kit.py run 17 installs it")
 np = pytest.importorskip("numpy", reason="lesson 17 needs numpy: kit.py run 17 installs it")
 
+from gymnasium.utils.env_checker import data_equivalence  # noqa: E402
 from gymnasium.vector import AutoresetMode  # noqa: E402
 
 import netmq_example.envs  # noqa: E402
@@ -32,6 +33,7 @@ from netmq_example.wire import records  # noqa: E402
 from netmq_example.worlds.cart_pole import DT, CartPole  # noqa: E402
 from netmq_example.worlds.pursuit import Pursuit  # noqa: E402
 from tests.lessons.fleets import Hall  # noqa: E402
+from tests.lessons.vectors import alike, play  # noqa: E402
 
 
 class Fleet(Hall, OtherSide):
@@ -84,18 +86,6 @@ class Fleet(Hall, OtherSide):
 @pytest.fixture
 def fleet(monkeypatch):
     return functools.partial(Fleet, monkeypatch)
-
-
-def alike(one, other):
-    np.testing.assert_equal(plain(one), plain(other))
-
-
-def plain(found):
-    """Without the arrays of arrays, which numpy does not compare."""
-    if isinstance(found, dict):
-        return {name: plain(value) for name, value in found.items()}
-    nested = isinstance(found, (tuple, list)) or (isinstance(found, np.ndarray) and found.dtype == object)
-    return [plain(value) for value in found] if nested else found
 
 
 class Walker(Agent):
@@ -164,25 +154,20 @@ def test_scenes_of_a_hub_are_to_python_what_the_agents_of_one_scene_are(world, m
     where = {"fleet": fleet}, {"socket": inside(simulator(agent(), agent(), agent())).socket}
     both = [make(netmq_example.envs.UnityVectorEnv, 3, **words, **each) for each in where]
     options = {"far": 2.5} if world == "walkers" else {"low": -0.2, "high": 0.2}
-    alike(*(envs.reset(seed=[3, 8, 4], options=options) for envs in both))
     both[0].action_space.seed(4)
-    ends = np.zeros(3, int)
-    for step in range(40):
-        action = both[0].action_space.sample()
-        seen = [envs.step(action) for envs in both]
-        alike(*seen)
-        alike(*(list(envs.infos) for envs in both))
-        over = seen[0][2] | seen[0][3]
-        ends += over
-        if mode == AutoresetMode.DISABLED and over.any():
-            alike(*(envs.reset(options={"reset_mask": over.copy()}) for envs in both))
+
+    def act(seen, step):
+        assert data_equivalence(*(list(envs.infos) for envs in both), exact=True)
         if world == "poles" and step % 8 == 0:
-            alike(*(envs.render() for envs in both))
+            assert data_equivalence(*(envs.render() for envs in both), exact=True)
         elif step % 8 == 0:
             for envs in both:
                 envs.send_info(np.ones(2), "walker_1")
                 envs.send_info(0.5, f"walker_{step % 3}")
-    assert min(ends) >= 3
+        return both[0].action_space.sample()
+
+    ends = play(both, act, 40, {"seed": [3, 8, 4], "options": options})
+    assert ends.sum(0).min() >= 3
     assert not deaths or fleet.hub.count["begun anew"] > 3
     assert not [line for line in fleet.lines if "goes another way" in line]
     if world == "poles":
@@ -190,7 +175,7 @@ def test_scenes_of_a_hub_are_to_python_what_the_agents_of_one_scene_are(world, m
             with pytest.raises(MessageError, match="bad-state"):
                 envs.reset(options={"state": np.zeros(3)})
         # It goes on after that.
-        alike(*(envs.reset(options={"state": np.array([0.1, 0, 0, 0])}) for envs in both))
+        alike(both, "reset", options={"state": np.array([0.1, 0, 0, 0])})
 
 
 @pytest.mark.parametrize("deaths", [(), (30, 99, 180)])
@@ -201,10 +186,10 @@ def test_a_scene_of_several_kinds_is_one_episode_of_a_hub(deaths, fleet, inside,
     both = [make(netmq_example.envs.UnityParallelEnv, "Pursuit", **each) for each in where]
     random = np.random.default_rng(1)
     for seed in range(2):
-        alike(*(env.reset(seed=seed) for env in both))
+        assert data_equivalence(*(env.reset(seed=seed) for env in both), exact=True)
         while both[0].agents:
             actions = {agent: int(random.integers(5)) for agent in both[0].agents}
-            alike(*(env.step(actions) for env in both))
+            assert data_equivalence(*(env.step(actions) for env in both), exact=True)
     # Of the episode before nothing is kept.
     assert fleet.hub.count["episodes"] == 2 and bool(fleet.hub.count["begun anew"]) == bool(deaths)
 
@@ -239,14 +224,7 @@ def test_who_comes_and_goes_in_a_scene_does_so_over_a_hub(mode, deaths, fleet, i
     )
     both = [make(netmq_example.envs.UnityVectorEnv, 3, **words, **each) for each in where]
     for seed in range(2):
-        alike(*(envs.reset(seed=seed) for envs in both))
-        for _ in range(30):
-            action = both[0].action_space.sample()
-            seen = [envs.step(action) for envs in both]
-            alike(*seen)
-            over = seen[0][2] | seen[0][3]
-            if mode == AutoresetMode.DISABLED and over.any():
-                alike(*(envs.reset(options={"reset_mask": over.copy()}) for envs in both))
+        play(both, lambda seen, step: both[0].action_space.sample(), 30, {"seed": seed})
 
 
 class Windy(Agent):

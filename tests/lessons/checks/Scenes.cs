@@ -2,7 +2,7 @@
 // are the classes of docs/guide/from_gymize.md and docs/guide/13_side_channels.md.
 //
 //     dotnet checks.dll scene gymize ENDPOINT [HOW]
-//         HOW is wrong, mistake, two, mute, period, gone, radar, broken, named, alone or env.
+//         HOW is wrong, mistake, mute, period, gone, radar, broken, named, alone or env.
 //     dotnet checks.dll scene Racer ENDPOINT [first | channels | lost | VIEW_ENDPOINT]
 //     dotnet checks.dll scene Faller ENDPOINT
 //     dotnet checks.dll scene Arena ENDPOINT
@@ -57,25 +57,17 @@ namespace NetMQExample.Tests
                     thing.SetActive(true);
                     return;
                 }
-                if (name == "Arena")
-                {
-                    var arena = new MonoBehaviour[] { thing.AddComponent<GymManager>() };
-                    Inspector.Set(arena, "endpoint", endpoint);
-                    Inspector.Set(arena, "envName", "Arena");
-                    thing.SetActive(true);
-                    foreach (var bot in new[] { "leader", "stays", "ends", "ends_off", "off", "led", "destroyed",
-                        "respawned", "replaced" })
-                        Bot.Spawn(bot);
-                    return;
-                }
-                if (name == "Twins")
+                if (name == "Arena" || name == "Twins")
                 {
                     var manager = new MonoBehaviour[] { thing.AddComponent<GymManager>() };
                     Inspector.Set(manager, "endpoint", endpoint);
-                    Inspector.Set(manager, "envName", "Twins");
-                    thing.AddComponent<Twin>();
-                    thing.AddComponent<Twin>();
+                    Inspector.Set(manager, "envName", name);
+                    for (var i = 0; i < 2 && name == "Twins"; i++) thing.AddComponent<Twin>();
                     thing.SetActive(true);
+                    if (name == "Twins") return;
+                    foreach (var bot in new[] { "leader", "stays", "ends", "ends_off", "off", "led", "destroyed",
+                        "respawned", "replaced" })
+                        Bot.Spawn(bot);
                     return;
                 }
                 if (name == "gymize")
@@ -118,7 +110,6 @@ namespace NetMQExample.Tests
             thing.SetActive(true);
             if (how == "gone") scripts[0].enabled = false;
             if (how == "wrong") Add<CameraSensor>("eye");
-            if (how == "two") Add<Runner>("twin");
             if (how == "period") ((Agent)scripts[0]).StepPeriod = 3;
             if (how == "named")
             {
