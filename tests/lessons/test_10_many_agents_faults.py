@@ -263,7 +263,7 @@ OF_POLES = {
 }
 POLES = {"env_name": "CartPole"}
 # What is called, values that its parameters cannot have, and its other parameters.
-WRONG = [
+WRONG: list[Any] = [
     (UnityGymEnv, OF_ONE, POLES),
     (UnityVectorEnv, {**OF_ONE, **OF_MANY, **OF_POLES}, {"num_envs": 2, **POLES}),
     (UnityParallelEnv, {**EACH, **OF_MANY, "observation_spaces": NO_SPACES, "action_spaces": NO_SPACES}, POLES),
