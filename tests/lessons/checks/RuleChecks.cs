@@ -157,12 +157,15 @@ namespace NetMQExample.Tests
         {
             if (type == typeof(string)) return "x";
             if (type == typeof(int)) return 1;
+            if (type == typeof(double)) return 1.0;
             if (type == typeof(TimeSpan)) return TimeSpan.FromSeconds(1);
             if (type == typeof(object)) return new CoinCar("x");
             if (type == typeof(Func<NetMQSocket>)) return (Func<NetMQSocket>)(() => new DealerSocket());
             if (type == typeof(Locator)) return new CoinCar("x").AgentState.Scope;
             if (type.IsValueType) return Activator.CreateInstance(type);
             if (type == typeof(IReadOnlyList<IAgent>)) return new[] { new CartPole() };
+            // Most others are around another one.
+            if (type == typeof(SimulatorBase)) return new SceneSimulator("x", 1, new[] { new CartPole() });
             if (type.IsArray) return Array.CreateInstance(type.GetElementType(), 0);
             if (type == typeof(Transform)) return new GameObject("x").transform;
             if (typeof(Component).IsAssignableFrom(type)) return new GameObject("x").AddComponent(type);

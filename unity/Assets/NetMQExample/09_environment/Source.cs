@@ -11,7 +11,8 @@ namespace NetMQExample
         private readonly Func<Locator> place;
 
         /// <summary>With its locator already put where it belongs.</summary>
-        public Source(string name, Locator locator, Func<object> read) : this(name, () => locator, read) { }
+        public Source(string name, Locator locator, Func<object> read)
+            : this(name, Always(Require.Given("locator", locator)), read) { }
 
         /// <summary>With a locator that names agents, whose names are not decided yet.</summary>
         public Source(string name, Func<Locator> place, Func<object> read)
@@ -22,6 +23,8 @@ namespace NetMQExample
             Write = (to, form) => Observed.Write(read(), form, to);
             Place();
         }
+
+        private static Func<Locator> Always(Locator locator) => () => locator;
 
         /// <summary>For a person who must mend something.</summary>
         public string Name { get; }
