@@ -7,6 +7,7 @@ import importlib
 import logging
 import re
 import shutil
+import subprocess
 import sys
 import threading
 
@@ -273,6 +274,19 @@ def make(inside):
     yield make_env
     for env in made:
         env.close()
+
+
+@pytest.fixture(scope="module")
+def kept():
+    """Environments by what simulates, each for several tests."""
+    kept = {}
+    yield kept
+    for env in kept.values():
+        running = env.unwrapped.simulators.process
+        # A busy machine may need more than two seconds, after which it would be killed.
+        running.wait = lambda limit=None, running=running: subprocess.Popen.wait(running, LIMIT)
+        env.close()
+        assert running.poll() == 0, "it was asked to end, and did"
 
 
 @pytest.fixture

@@ -37,7 +37,7 @@ class Clerk(Agent):
         self.drawn = self.rng()
         self.ticks = 0
         self.plan = ""
-        self.letters = [self.options["letter"]] if "letter" in self.options else []
+        self.letters = []
 
     def on_action(self, action: Any) -> None:
         self.note(f"does {action}")
@@ -45,8 +45,6 @@ class Clerk(Agent):
         match str(action).split():
             case ["end"]:
                 self.terminated = True
-            case ["cut"]:
-                self.truncated = True
             case ["earn", reward]:
                 self.reward += float(reward)
             case ["say", *values]:
@@ -55,8 +53,6 @@ class Clerk(Agent):
             case ["shout"]:
                 for number in range(1000):
                     self.send_info({"number": number, "text": LONGEST})
-            case ["write", letter]:
-                self.letters.append(letter)
             case ["leave", *letter]:
                 # A clerk that leaves with a letter has ended.
                 self.letters += letter
@@ -67,8 +63,6 @@ class Clerk(Agent):
                 self.office.add(Clerk(name, self.office))
             case ["recall"]:
                 self.office.add(self.office.away.pop())
-            case ["fail"]:
-                raise RuntimeError("as it was told")
 
     def on_tick(self, dt: float) -> None:
         self.note("ticks" if dt == self.office.dt else "ticks wrongly")

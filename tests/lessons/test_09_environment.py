@@ -7,14 +7,13 @@ from __future__ import annotations
 import importlib.util
 import os
 import re
-import subprocess
 import warnings
 
 import pytest
 
 from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.conftest import simulated
-from tests.programs import LIMIT, ROOT, finished
+from tests.programs import ROOT, finished
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
 np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: kit.py run 9 installs it")
@@ -32,19 +31,6 @@ from tests.lessons.poles import timeless, trained  # noqa: E402
 GOLDEN_START = ["-0x1.6901820000000p-7", "-0x1.8bd8d60000000p-5", "0x1.484d9c0000000p-5", "0x1.0fbef80000000p-7"]
 GOLDEN_END = [0.009156497, 0.1373327, 0.02900436, -0.07556468]
 each_client = pytest.mark.parametrize("kind", CLIENTS)
-
-
-@pytest.fixture(scope="module")
-def kept():
-    """Environments by the client that simulates, each for several tests."""
-    kept = {}
-    yield kept
-    for env in kept.values():
-        running = env.unwrapped.simulators.process
-        # A busy machine may need more than two seconds, after which it would be killed.
-        running.wait = lambda limit=None, running=running: subprocess.Popen.wait(running, LIMIT)
-        env.close()
-        assert running.poll() == 0, "it was asked to end, and did"
 
 
 @pytest.fixture

@@ -64,15 +64,6 @@ def pursuit(inside, make):
     )
 
 
-@pytest.fixture(scope="module")
-def kept():
-    """Environments by what simulates, each for several tests."""
-    kept = {}
-    yield kept
-    for env in kept.values():
-        env.close()
-
-
 @pytest.fixture
 def csharp_areas(kept, launch):
     if "areas" not in kept:

@@ -17,7 +17,7 @@ import uuid
 import pytest
 
 from netmq_example.mlagents_envs.exception import UnitySideChannelException
-from netmq_example.mlagents_envs.side_channel import IncomingMessage, OutgoingMessage, SideChannel
+from netmq_example.mlagents_envs.side_channel import IncomingMessage, OutgoingMessage
 from netmq_example.mlagents_envs.side_channel.engine_configuration_channel import (
     EngineConfig,
     EngineConfigurationChannel,
@@ -253,22 +253,6 @@ def test_both_languages_say_the_same_of_random_payloads(runtime, csharp_says):
 # Classes that were written for ML-Agents; whole programs of theirs are in test_13_from_ml_agents.py
 
 
-class GameLog(SideChannel):
-    """As in its documentation; only the import is another one."""
-
-    def __init__(self) -> None:
-        super().__init__(uuid.UUID("621f0a70-4f87-11ea-a6bf-784f4387d1f7"))
-        self.lines = []
-
-    def on_message_received(self, msg: IncomingMessage) -> None:
-        self.lines.append(msg.read_string())
-
-    def send_string(self, data: str) -> None:
-        msg = OutgoingMessage()
-        msg.write_string(data)
-        super().queue_message_to_send(msg)
-
-
 # As somebody has them in a project of ML-Agents: its modules, its names, and what is done with them.
 MOVED = {
     "the package's own names, and exceptions": """
@@ -353,7 +337,7 @@ def test_the_place_of_version_0_3_has_the_same_class(place, name, monkeypatch):
 
 
 def test_what_is_queued_stays_as_it_was():
-    log, message = GameLog(), OutgoingMessage()
+    log, message = RawBytesChannel(LOG), OutgoingMessage()
     message.write_string("one")
     log.queue_message_to_send(message)
     message.write_string("two")
@@ -362,7 +346,7 @@ def test_what_is_queued_stays_as_it_was():
 
 
 def test_an_id_is_registered_once_also_by_the_same_channel():
-    log = GameLog()
+    log = RawBytesChannel(LOG)
     with pytest.raises(UnitySideChannelException, match=f"channel {LOG} is registered already"):
         SideChannelManager([log, log])
 

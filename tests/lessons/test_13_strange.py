@@ -30,7 +30,6 @@ from tests.lessons.conftest import bind
 from tests.lessons.test_13_side_channels_bytes import (
     LOG,
     STRANGER,
-    GameLog,
     csharp_says,
     digits,
     each_terminal,
@@ -140,7 +139,7 @@ def test_what_a_peer_may_make_the_other_keep_has_a_limit(csharp_says):
 
 def test_half_a_character_is_not_ascii_in_either_language(csharp_says):
     with pytest.raises(UnitySideChannelException, match="not ASCII"):
-        GameLog().send_string("a\ud800b")
+        OutgoingMessage().write_string("a\ud800b")
     # In Unity without an exception: it would come out of the game's own Debug.LogError.
     (said,) = csharp_says(".net", ["half -"])
     assert said == f"error channel {LOG}: not sent, text that is not ASCII: write it with utf8: true"

@@ -48,7 +48,7 @@ def test_a_killed_actor_changes_no_number(train, caplog):
 def test_ctrl_c_leaves_no_process_behind(train):
     mark = Mark()
     # A simulator that is slow: there is time for Ctrl-C.
-    trainer = train("--launch", sys.executable, "-c", SLOW, str(CLIENT), **mark.environment)
+    trainer = train("--launch", sys.executable, str(RAY.with_name("client.py")), "--delay", "0.02", **mark.environment)
     trainer.wait_for("^generation 1", 180)
     assert len([command for command in mark.processes().values() if "ray::Player" in command]) == 2
     os.killpg(trainer.process.pid, signal.SIGINT)
@@ -58,18 +58,6 @@ def test_ctrl_c_leaves_no_process_behind(train):
     while (left := mark.processes()) and time.monotonic() < end:
         time.sleep(0.1)
     assert left == {}
-
-
-# Lesson 09's client, with 20 ms for each step.
-SLOW = """
-import runpy, sys, time
-client = sys.argv.pop(1)
-sys.path.append(client.rpartition("09_environment")[0])
-from netmq_example.worlds.cart_pole import CartPole
-step = CartPole.on_action
-CartPole.on_action = lambda pole, action: (time.sleep(0.02), step(pole, action))[1]
-runpy.run_path(client, run_name="__main__")
-"""
 
 
 @pytest.mark.long

@@ -93,7 +93,6 @@ namespace NetMQExample.Tests
             Note("begins");
             (drawn, ticks, plan) = (Rng.Next(), 0, "");
             letters.Clear();
-            if (Options.TryGetValue("letter", out var letter)) letters.Add(letter);
         }
 
         public override void OnAction(object action)
@@ -102,9 +101,7 @@ namespace NetMQExample.Tests
             Note($"does {plan}");
             var words = plan.Split(new[] { ' ' }, StringSplitOptions.RemoveEmptyEntries);
             if (plan == "end") Terminate();
-            else if (plan == "cut") Truncate();
             else if (plan == "recall") office.Clerks.Add(office.Away.Pop());
-            else if (plan == "fail") throw new InvalidOperationException("as it was told");
             switch (words.FirstOrDefault())
             {
                 case "earn": AddReward(double.Parse(words[1], CultureInfo.InvariantCulture)); break;
@@ -113,7 +110,6 @@ namespace NetMQExample.Tests
                         Info[FormattableString.Invariant($"value{i - 1}")] = Values[words[i]];
                     break;
                 case "shout": Shout(); break;
-                case "write": letters.Add(words[1]); break;
                 case "leave":
                     if (words.Length > 1)
                     {
