@@ -1,4 +1,4 @@
-"""A simulator around another one, which adds to what that says; in C# it is SimulatorDecorator.cs."""
+"""A simulator around another one, which adds to what that says; in C# it is in SimulatorBase.cs."""
 
 from netmq_example import check
 from netmq_example.messages import Message

@@ -132,12 +132,12 @@ namespace NetMQExample
                     + $"name, {Name}, and not the same {what}: give them two names");
         }
 
-        public object Describe(int atMost) => new Dictionary<string, object>
+        public object Describe() => new Dictionary<string, object>
         {
             ["name"] = Name,
             ["team"] = 0L,
             ["agents"] = Rows.Select(row => (object)row.Name).ToList(),
-            ["at_most"] = (long)atMost,
+            ["at_most"] = (long)Rows.Count,
             ["period"] = (long)Period,
             ["observation"] = Observation?.Description,
             ["action"] = Action?.Description,

@@ -23,10 +23,7 @@ namespace NetMQExample
         private int period;
         private bool terminated, truncated;
 
-        /// <summary>Reads the attributes of an object's class.</summary>
-        /// <param name="name">Its name in Python; several agents of one name get numbers.</param>
-        /// <param name="observed">The object with the observed members.</param>
-        /// <param name="period">How many ticks a step of this agent takes.</param>
+        /// <summary>Reads the attributes of an object's class. Several agents of one name get numbers.</summary>
         /// <exception cref="ArgumentException">A locator is wrong; the message names member and column.</exception>
         public AgentState(string name, object observed, int period = 1)
         {
@@ -136,8 +133,7 @@ namespace NetMQExample
             Options = options;
             FirstState = first;
             Reward = 0;
-            terminated = false;
-            truncated = false;
+            terminated = truncated = false;
             infos.Clear();
             info.Clear();
             Late = null;
@@ -207,5 +203,50 @@ namespace NetMQExample
             ? number
             : throw new MessageException("bad-reward",
                 FormattableString.Invariant($"the reward of agent '{Name}' is {number}, which is not finite"));
+    }
+
+    /// <summary>The infos between two answers: no more than fit, and the others are counted.</summary>
+    internal sealed class InfoList
+    {
+        private const int LimitBytes = 12_000;
+
+        private List<object> infos = new List<object>();
+        private int size;
+        private long dropped;
+
+        public void Send(object info)
+        {
+            var one = Observed.Of(info);
+            var length = MessageTree.Write(one).Length;
+            if (size + length > LimitBytes)
+            {
+                dropped++;
+                return;
+            }
+            size += length;
+            infos.Add(one);
+        }
+
+        /// <summary>All of it, or null; and from then on it is empty.</summary>
+        public List<object> Take()
+        {
+            if (dropped > 0) infos.Add(new Dictionary<string, object> { ["dropped"] = dropped });
+            if (infos.Count == 0) return null;
+            var taken = infos;
+            infos = new List<object>();
+            size = 0;
+            dropped = 0;
+            return taken;
+        }
+
+        /// <summary>Before its own come those of another one.</summary>
+        public void InsertFrom(InfoList before)
+        {
+            infos.InsertRange(0, before.infos);
+            size += before.size;
+            dropped += before.dropped;
+        }
+
+        public void Clear() => Take();
     }
 }

@@ -22,7 +22,6 @@ namespace NetMQExample
         private double push, speed, turning;
 
         /// <summary>At rest in the middle, until it is reset.</summary>
-        /// <param name="name">The agent's; several of one name are name_0, name_1, ….</param>
         public CartPole(string name = "agent") : base(name) { }
 
         /// <summary>The middle of the cart, in metres.</summary>

@@ -37,8 +37,7 @@ namespace NetMQExample
         /// <summary>Connects, which succeeds even while no environment is there.</summary>
         /// <param name="endpoint">The environment, such as <c>tcp://127.0.0.1:5559</c>.</param>
         /// <param name="timeout">How long to wait for one; 30 s when left out.</param>
-        /// <param name="report">Called, on the thread that runs, with a line about what happens, unless it is null.
-        /// </param>
+        /// <param name="report">Called, on the thread that runs, with a line about what happens; or null.</param>
         /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
         public EnvironmentClient(string endpoint, TimeSpan? timeout = null, Action<string> report = null)
         {

@@ -1,5 +1,6 @@
 // Lesson 09, a frame that is being written: bytes that grow, and can be written over.
 using System;
+using System.Text;
 
 namespace NetMQExample
 {
@@ -65,6 +66,46 @@ namespace NetMQExample
             if (bytes.Length - Count >= by) return;
             // In long: twice as much may be more than an int.
             Array.Resize(ref bytes, (int)Math.Min(int.MaxValue - 64, Math.Max(2L * bytes.Length, (long)Count + by)));
+        }
+    }
+
+    /// <summary>The small parts of values and rows: texts, and how many of something follow.</summary>
+    internal static class MessageParts
+    {
+        private static readonly UTF8Encoding Utf8 = new UTF8Encoding(false, true);
+
+        public static void WriteBytes(FrameBuffer to, byte[] bytes)
+        {
+            to.Write((uint)bytes.Length);
+            to.Write(bytes);
+        }
+
+        public static void WriteText(FrameBuffer to, string text)
+        {
+            try
+            {
+                var size = Utf8.GetByteCount(text);
+                to.Write((uint)size);
+                Utf8.GetBytes(text, to.GetSpan(size));
+                to.Advance(size);
+            }
+            catch (EncoderFallbackException e)
+            {
+                throw new MessageException("bad-tree", $"it is no text: {e.Message}");
+            }
+        }
+
+        public static string ReadText(ref ReadOnlyMemory<byte> from) =>
+            Utf8.GetString(Take(ref from, Size(ref from)).Span);
+
+        public static int Size(ref ReadOnlyMemory<byte> from) =>
+            checked((int)BitConverter.ToUInt32(Take(ref from, 4).Span));
+
+        public static ReadOnlyMemory<byte> Take(ref ReadOnlyMemory<byte> from, int size)
+        {
+            var taken = from.Slice(0, size);
+            from = from.Slice(size);
+            return taken;
         }
     }
 }

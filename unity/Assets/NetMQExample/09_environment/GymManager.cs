@@ -29,8 +29,7 @@ namespace NetMQExample
         /// <summary>The one of this scene, if there is one.</summary>
         public static GymManager Current { get; private set; }
 
-        /// <summary>The environment's own side, as of GymEnv. New after each enable, but not after a change of scenes.
-        /// </summary>
+        /// <summary>The environment's own side. New after each enable, but not after a change of scenes.</summary>
         public SceneSimulator Simulator { get; private set; }
 
         /// <summary>Hears what Python sends to the environment itself.</summary>
@@ -102,8 +101,7 @@ namespace NetMQExample
             played?.Begin();
         }
 
-        /// <summary>A connection begins. A scene that is loaded while Python steps goes on with the one before.
-        /// </summary>
+        /// <summary>A connection begins; a scene that is loaded while Python steps goes on with the last.</summary>
         protected virtual void Enter() => base.Begin();
 
         /// <summary>The connection ends.</summary>

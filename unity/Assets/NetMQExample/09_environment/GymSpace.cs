@@ -53,6 +53,10 @@ namespace NetMQExample
         // Of a box, a discrete one and the like: how its numbers stand in a row.
         internal SpaceNumbers Numbers { get; private set; }
 
+        // Of all parts, one after the other; none where the size varies.
+        internal SpaceNumbers[] AllNumbers => Size < 0 ? new SpaceNumbers[0]
+            : Numbers != null ? new[] { Numbers } : Parts.SelectMany(part => part.AllNumbers).ToArray();
+
         internal GymSpace[] Parts { get; private set; } = new GymSpace[0];
 
         internal string[] Keys { get; private set; } = new string[0];

@@ -29,8 +29,7 @@ namespace NetMQExample
         /// Dictionary&lt;string, object&gt;, or GraphInstance.</summary>
         void OnAction(object action);
 
-        /// <summary>One tick of the world's time; none more once its episode is over.</summary>
-        /// <param name="dt">Seconds.</param>
+        /// <summary>One tick of the world, of so many seconds; none more once its episode is over.</summary>
         void OnTick(double dt);
 
         /// <summary>A step is done, with all that physics has done in it: the place for rewards and ends.</summary>

@@ -140,8 +140,7 @@ namespace NetMQExample
             throw new MessageException("bad-tree", $"{value.GetType().Name} has no place in a message");
         }
 
-        /// <summary>The form of a value of a type that has but one, and adds its numbers; or null, and adds nothing.
-        /// </summary>
+        /// <summary>Adds the numbers of a value whose type has but one form, which it returns; else null.</summary>
         internal static string AddSimple(FrameBuffer numbers, object value)
         {
             switch (value)

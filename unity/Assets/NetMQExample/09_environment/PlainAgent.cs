@@ -10,9 +10,8 @@ namespace NetMQExample
         private readonly int period;
         private AgentState state;
 
-        /// <summary>An agent of a name; several may have one, and are then NAME_0, NAME_1 and so on.</summary>
-        /// <param name="name">Its name in Python.</param>
-        /// <param name="period">How many ticks one of its steps takes.</param>
+        /// <summary>An agent of a name, a step of which takes so many ticks. Several of one name are NAME_0, NAME_1 and
+        /// so on.</summary>
         protected PlainAgent(string name = "agent", int period = 1)
         {
             this.name = Require.Given("name", name);

@@ -40,13 +40,10 @@ namespace NetMQExample
     {
         /// <summary>It has no part in this.</summary>
         Nothing,
-
         /// <summary>An action.</summary>
         Step,
-
         /// <summary>A new episode.</summary>
         Reset,
-
         /// <summary>An action, after which its time is up.</summary>
         Last,
     }
@@ -71,6 +68,7 @@ namespace NetMQExample
         internal const int Head = 24;
 
         private readonly List<RequestSection> sections = new List<RequestSection>();
+        private int orders;
 
         /// <summary>Its number, which the answer repeats.</summary>
         public long Id { get; private set; }
@@ -130,20 +128,18 @@ namespace NetMQExample
             if (at > bytes.Length) throw Bad("it ends too early");
             Options = frame.Slice(Head, (int)options);
             Exchange = frame.Slice((int)begin, (int)exchange);
+            orders = 0;
             for (var i = 0; i < Count; i++)
             {
                 if (sections.Count == i) sections.Add(new RequestSection());
                 at = sections[i].Read(frame, at);
+                orders |= sections[i].Orders;
             }
             if (at != bytes.Length) throw Bad($"it has {bytes.Length} bytes in place of {at}");
         }
 
         /// <summary>Whether any agent has this order.</summary>
-        public bool Has(Order order)
-        {
-            for (var i = 0; i < Count; i++) if (sections[i].Has(order)) return true;
-            return false;
-        }
+        public bool Has(Order order) => (orders & 1 << (int)order) != 0;
 
         /// <summary>Whether any agent steps.</summary>
         public bool Steps => Has(Order.Step) || Has(Order.Last);
@@ -169,6 +165,9 @@ namespace NetMQExample
 
         public int Count { get; private set; }
 
+        // A bit for each order that a row has.
+        public int Orders { get; private set; }
+
         // Of all rows, or nothing.
         public ReadOnlyMemory<byte> Form { get; private set; }
 
@@ -178,12 +177,6 @@ namespace NetMQExample
 
         /// <summary>Its action; nothing for one that does not step.</summary>
         public ReadOnlyMemory<byte> Row(int row) => frame.Slice(begins[row], begins[row + 1] - begins[row]);
-
-        public bool Has(Order order)
-        {
-            for (var row = 0; row < Count; row++) if (OrderOf(row) == order) return true;
-            return false;
-        }
 
         /// <summary>Reads the section that begins there.</summary>
         /// <returns>Where it ends.</returns>
@@ -207,9 +200,11 @@ namespace NetMQExample
             begin = (int)from + 24;
             var at = begin + 8 * count + StepRequest.Up(count);
             var acting = 0;
+            Orders = 0;
             for (var row = 0; row < Count; row++)
             {
                 if (OrderOf(row) > Order.Last) throw StepRequest.Bad($"order {(int)OrderOf(row)} is none");
+                Orders |= 1 << (int)OrderOf(row);
                 if (Acts(row)) acting++;
             }
             var sizes = (int)at;

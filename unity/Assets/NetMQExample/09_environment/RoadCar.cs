@@ -18,9 +18,7 @@ namespace NetMQExample
         private Car car;
         private double steer, pedal, metres;
 
-        /// <summary>On the road, at its first point.</summary>
-        /// <param name="seesPictures">What is seen is the drawn picture, and not five numbers.</param>
-        /// <param name="name">The agent's; several of one name are name_0, name_1, ….</param>
+        /// <summary>On the road, at its first point. What is seen is the drawn picture, or five numbers.</summary>
         public RoadCar(bool seesPictures, string name = "agent") : base(name)
         {
             this.seesPictures = seesPictures;

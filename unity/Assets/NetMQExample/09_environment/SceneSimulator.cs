@@ -24,8 +24,6 @@ namespace NetMQExample
         private readonly InfoList infos = new InfoList();
         private readonly SceneRows rows;
         private readonly Stopwatch since = new Stopwatch();
-        // Made once: a new one for each step would be garbage.
-        private readonly Func<AgentRow, bool> isOrdered, hasEnded, isNone;
         // An agent judges in its Update: then each step needs a frame.
         private bool framed, frameLeft;
         // Whether it was said that nobody hears what Python sends to the environment, and that a kind idles.
@@ -35,12 +33,8 @@ namespace NetMQExample
         // Whether the step is done, and only the first observations are left.
         private bool stepped;
 
-        /// <summary>Of the agents that are in the list when Python asks: they may come and go.</summary>
-        /// <param name="name">The env_name in Python.</param>
-        /// <param name="dt">How many seconds one tick takes.</param>
-        /// <param name="agents">All agents of the world.</param>
-        /// <param name="world">The world, which belongs to no agent; null if there is none.</param>
-        /// <param name="sensors">The sensors of the scene, which may come and go as well; null for none.</param>
+        /// <summary>Of the agents and sensors that are in the lists when Python asks: they may come and go. The name is
+        /// the env_name in Python, and a tick takes dt seconds.</summary>
         public SceneSimulator(string name, double dt, IReadOnlyList<IAgent> agents, IWorld world = null,
             IReadOnlyList<Source> sensors = null)
         {
@@ -52,9 +46,6 @@ namespace NetMQExample
             { Refuse = (agent, why) => Refuse(agent, why) };
             steps = new SceneSteps(roster, dt) { World = world, Anew = infos.Clear };
             rows = new SceneRows(roster);
-            isOrdered = row => row.Order == Order.Reset;
-            hasEnded = row => row.Order == Order.Reset || row.Ended;
-            isNone = row => false;
         }
 
         /// <inheritdoc/>
@@ -123,7 +114,7 @@ namespace NetMQExample
             infos.Clear();
             var data = MessageTree.Write(new Dictionary<string, object>
             {
-                ["kinds"] = roster.Kinds.Select(kind => kind.Describe(kind.Rows.Count)).ToList(),
+                ["kinds"] = roster.Kinds.Select(kind => kind.Describe()).ToList(),
             });
             return new Message("hello")
             {
@@ -212,7 +203,8 @@ namespace NetMQExample
             Loading = false;
             for (var i = 0; i < request.Count; i++)
                 rows.End(roster.Kinds[request[i].Kind], request.Autoreset, answer);
-            var begun = steps.Begin(request.Autoreset ? hasEnded : isOrdered, request.Options, request[0].Seed(0));
+            var begun = steps.Begin(
+                row => row.Order == Order.Reset || row.Ended, request.Options, request[0].Seed(0));
             Episodes += begun;
             if (begun > 0 && !request.Steps) real.Restart();
             return begun > 0;
@@ -222,7 +214,7 @@ namespace NetMQExample
         {
             roster.Settle(Loading);
             // Agents that have come in the frame that has passed.
-            Episodes += steps.Begin(isNone, default, 0);
+            Episodes += steps.Begin(row => false, default, 0);
             Loading = false;
             for (var i = 0; i < request.Count; i++) rows.See(roster.Kinds[request[i].Kind], answer);
             var said = infos.Take();

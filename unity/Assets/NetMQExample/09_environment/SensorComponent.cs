@@ -39,7 +39,10 @@ namespace NetMQExample
             {
                 // Without a reload of the scene Unity may start what lives on once more.
                 All.Remove(place);
-                place = Place();
+                var source = new Source(FullName, Where, Read);
+                if (!source.Locator.Absolute)
+                    throw new ArgumentException($"{FullName} has no agent above it, and its locator names none");
+                place = source;
                 All.Add(place);
             }
             catch (ArgumentException e)
@@ -59,14 +62,6 @@ namespace NetMQExample
         protected virtual void OnDisable() => All.Remove(place);
 
         // Below each of the agents above it; its key is the names of the game objects from the agent to here.
-        private Source Place()
-        {
-            var source = new Source(FullName, () => Where(), Read);
-            return source.Locator.Absolute
-                ? source
-                : throw new ArgumentException($"{FullName} has no agent above it, and its locator names none");
-        }
-
         private Locator Where()
         {
             var scopes = new List<string>();

@@ -29,8 +29,7 @@ namespace NetMQExample
         /// <summary>The last answer to a reset or a step.</summary>
         public ReadOnlyMemory<byte> Frame { get; private set; }
 
-        /// <summary>Whether a frame must pass before what was asked for can be answered: Answer it again then.
-        /// </summary>
+        /// <summary>Whether a frame must pass before the request can be answered: Answer it again then.</summary>
         public bool Waiting { get; private set; }
 
         /// <summary>The hello, which tells an environment who is there. Ids of requests start again.</summary>
@@ -62,8 +61,7 @@ namespace NetMQExample
             }
         }
 
-        /// <summary>Answers what was asked in words, unless that was done before. The answer is kept.</summary>
-        /// <param name="request">Of any kind but close.</param>
+        /// <summary>The same for what is asked in words, of any kind but close.</summary>
         public void Answer(Message request)
         {
             if (request.Id <= id) return;
@@ -111,5 +109,33 @@ namespace NetMQExample
 
         private Message Error(string code, string text) =>
             new Message("error", id) { Values = { ["code"] = code, ["text"] = text } };
+    }
+
+    /// <summary>Passes everything on to a simulator, which from then on nobody else asks. Lessons 13 and 17 override
+    /// what they add.</summary>
+    public abstract class SimulatorDecorator : SimulatorBase
+    {
+        private readonly SimulatorBase simulator;
+
+        /// <summary>Wraps a simulator.</summary>
+        protected SimulatorDecorator(SimulatorBase simulator) => this.simulator = Require.Given("simulator", simulator);
+
+        /// <inheritdoc/>
+        public override string Name => simulator.Name;
+
+        /// <inheritdoc/>
+        public override Message Describe() => simulator.Describe();
+
+        /// <inheritdoc/>
+        public override Message Say(Message request) => simulator.Say(request);
+
+        /// <inheritdoc/>
+        public override bool Do(StepRequest request, StepAnswer answer, bool again)
+        {
+            var done = simulator.Do(request, answer, again);
+            Episodes = simulator.Episodes;
+            Steps = simulator.Steps;
+            return done;
+        }
     }
 }

@@ -68,19 +68,16 @@ namespace NetMQExample
             _ => Form.Float64,
         };
 
-        private static double Get(Form form, ReadOnlySpan<byte> bytes)
+        private static double Get(Form form, ReadOnlySpan<byte> bytes) => form switch
         {
-            switch (form)
-            {
-                case Form.Int8: return (sbyte)StepRequest.ByteOf(bytes);
-                case Form.Uint8: return StepRequest.ByteOf(bytes);
-                case Form.Uint16: return BitConverter.ToUInt16(bytes);
-                case Form.Int32: return BitConverter.ToInt32(bytes);
-                case Form.Int64: return BitConverter.ToInt64(bytes);
-                case Form.Float32: return BitConverter.ToSingle(bytes);
-                default: return BitConverter.ToDouble(bytes);
-            }
-        }
+            Form.Int8 => (sbyte)StepRequest.ByteOf(bytes),
+            Form.Uint8 => StepRequest.ByteOf(bytes),
+            Form.Uint16 => BitConverter.ToUInt16(bytes),
+            Form.Int32 => BitConverter.ToInt32(bytes),
+            Form.Int64 => BitConverter.ToInt64(bytes),
+            Form.Float32 => BitConverter.ToSingle(bytes),
+            _ => BitConverter.ToDouble(bytes),
+        };
 
         /// <exception cref="MessageException">It would become another number, as 300 and 0.5 would in a byte.
         /// </exception>

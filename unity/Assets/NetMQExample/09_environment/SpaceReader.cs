@@ -18,7 +18,7 @@ namespace NetMQExample
         {
             this.space = Require.Given("space", space);
             numbers = new double[Math.Max(0, space.Count)];
-            parts = Collected(space);
+            parts = space.AllNumbers;
         }
 
         /// <summary>How many numbers it has, of all parts of its space together; 0 where that varies.</summary>
@@ -68,19 +68,6 @@ namespace NetMQExample
             if ((given ?? new double[numbers.Length]) is double[] all) writer.Add(all);
             else writer.Set(given);
             Read(writer.End());
-        }
-
-        internal static SpaceNumbers[] Collected(GymSpace space)
-        {
-            var parts = new List<SpaceNumbers>();
-            if (space.Size >= 0) Collect(space, parts);
-            return parts.ToArray();
-        }
-
-        private static void Collect(GymSpace space, List<SpaceNumbers> into)
-        {
-            if (space.Numbers != null) into.Add(space.Numbers);
-            foreach (var part in space.Parts) Collect(part, into);
         }
 
         private object Decoded(ReadOnlyMemory<byte> bytes)

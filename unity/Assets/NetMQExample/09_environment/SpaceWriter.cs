@@ -24,7 +24,7 @@ namespace NetMQExample
         public SpaceWriter(GymSpace space)
         {
             this.space = Require.Given("space", space);
-            parts = SpaceReader.Collected(space);
+            parts = space.AllNumbers;
             Skip(0);
         }
 

@@ -52,9 +52,8 @@ namespace NetMQExample
             if (Connects) base.Begin();
         }
 
-        /// <summary>Goes on with what a component steps that a change of scenes takes away.</summary>
-        /// <param name="before">It has nothing to do afterwards.</param>
-        /// <returns>False if that is over.</returns>
+        /// <summary>Goes on with what a component steps that a change of scenes takes away; false if that is over.
+        /// The other one has nothing to do afterwards.</summary>
         protected bool GoOnWith(SteppedBehaviour before)
         {
             if (!TakeThread(before)) return false;

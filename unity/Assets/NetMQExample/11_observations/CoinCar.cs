@@ -22,7 +22,6 @@ namespace NetMQExample
         private int steps;
 
         /// <summary>An agent of this name.</summary>
-        /// <param name="name">Its name in Python.</param>
         public CoinCar(string name = "agent") : base(name) { }
 
         /// <summary>The places of the coins that are left.</summary>

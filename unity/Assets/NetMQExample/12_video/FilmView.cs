@@ -20,12 +20,8 @@ namespace NetMQExample
         private readonly int channels;
         private volatile RunningFilm film;
 
-        /// <summary>Offers a view.</summary>
-        /// <param name="name">Letters, digits, spaces, - and _: it becomes the name of a file.</param>
-        /// <param name="width">The largest that Python may ask for, in pixels.</param>
-        /// <param name="height">The largest that Python may ask for, in pixels.</param>
-        /// <param name="channels">Bytes of a pixel: 3; or 4, with the alpha of graphics cards, which Python
-        /// drops.</param>
+        /// <summary>Offers a view of at most so many pixels. Its name, of letters, digits, spaces, - and _, becomes
+        /// that of a file. A pixel has 3 bytes; or 4, with the alpha of graphics cards, which Python drops.</summary>
         /// <exception cref="ArgumentException">The name cannot be that of a view, or it is too large.</exception>
         public FilmView(string name, int width, int height, int channels = 3)
         {
@@ -57,8 +53,7 @@ namespace NetMQExample
         /// <summary>The picture is taken, and goes to Python; or it could not be taken.</summary>
         public void Take(Picture picture, bool failed = false) => picture.Film.Take(picture, failed);
 
-        /// <summary>Does what Python asks for.</summary>
-        /// <param name="request">Of kind begin, look, took or end.</param>
+        /// <summary>Does what Python asks for: begin, look, took or end.</summary>
         /// <returns>The answer, or null: that to end comes after the last picture.</returns>
         /// <exception cref="MessageException">It cannot be done.</exception>
         public Message Do(Message request)

@@ -18,10 +18,7 @@ namespace NetMQExample
         private RunningFilm film;
         private bool turned;
 
-        /// <summary>Offers a camera as a view with its name.</summary>
-        /// <param name="camera">It goes on as it is.</param>
-        /// <param name="width">The largest that Python may ask for, in pixels.</param>
-        /// <param name="height">The largest that Python may ask for, in pixels.</param>
+        /// <summary>Offers a camera, which goes on as it is, as a view with its name: at most so many pixels.</summary>
         /// <exception cref="System.ArgumentException">Its name cannot be that of a view, or there is no graphics
         /// card.</exception>
         public FilmedCamera(Camera camera, int width, int height)

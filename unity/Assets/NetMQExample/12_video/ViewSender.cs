@@ -33,8 +33,7 @@ namespace NetMQExample
         /// <summary>Connects, which succeeds even while nobody is there.</summary>
         /// <param name="endpoint">Where Python films, such as <c>tcp://127.0.0.1:5562</c>.</param>
         /// <param name="timeout">How long to wait for it; 30 s when left out.</param>
-        /// <param name="report">Called, on the thread that runs, with a line about what happens, unless it is null.
-        /// </param>
+        /// <param name="report">Called, on the thread that runs, with a line about what happens; or null.</param>
         /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
         public ViewSender(string endpoint, TimeSpan? timeout = null, Action<string> report = null)
         {

@@ -55,11 +55,8 @@ namespace NetMQExample.SideChannels
         /// messages, and of too many drop the oldest.</summary>
         public bool Full => unsent.Count > 0;
 
-        /// <summary>Sends an exchange, unless it is empty, and gives those that have come: a large one in parts, of
-        /// which the next calls give the others.</summary>
-        /// <param name="data">The channels' messages.</param>
-        /// <param name="wait">How long to wait for the first that comes.</param>
-        /// <param name="stop">Ends the wait early.</param>
+        /// <summary>Sends the channels' messages, if there are any, and waits for exchanges, until the first has come:
+        /// a large one comes in parts, of which the next calls give the others.</summary>
         /// <returns>Nothing, if none came.</returns>
         /// <exception cref="TimeoutException">The server was silent for too long.</exception>
         public List<byte[]> Exchange(byte[] data, TimeSpan wait, CancellationToken stop = default)

@@ -26,11 +26,8 @@ namespace NetMQExample.SideChannels
         // For how many seconds it is not seen.
         private double waited;
 
-        /// <summary>Registers its channels.</summary>
-        /// <param name="count">How many rounds.</param>
-        /// <param name="trouble">The trouble: none, unknown, cut or throw.</param>
-        /// <param name="limit">How long a round may take.</param>
-        /// <param name="log">Gets each line.</param>
+        /// <summary>Registers its channels. The trouble is none, unknown, cut or throw; a round takes so long at most.
+        /// </summary>
         /// <exception cref="ArgumentException">There is no such trouble.</exception>
         public SideChannelRounds(int count, string trouble, TimeSpan limit, Action<string> log)
         {

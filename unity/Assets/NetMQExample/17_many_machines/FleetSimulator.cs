@@ -13,9 +13,7 @@ namespace NetMQExample
     {
         private readonly string build;
 
-        /// <summary>Wraps a simulator, which nobody else may ask from then on.</summary>
-        /// <param name="simulator">Of any world.</param>
-        /// <param name="build">The build that the hub must expect.</param>
+        /// <summary>Wraps a simulator, of the build that the hub must expect.</summary>
         public FleetSimulator(SimulatorBase simulator, string build) : base(simulator) =>
             this.build = Require.Given("build", build);
 
