@@ -485,3 +485,8 @@ def test_forms_that_never_come_again_fill_no_memory(monkeypatch):
 def test_what_goes_to_another_agent_as_well_is_that_ones_business():
     sight = Sight("agent", spaces.Dict(x=spaces.Discrete(9)))
     assert told(sight, ("agent@.x & bus@.nowhere", 5), ("@@agent@.nothing", 6), ("@@.x", 7)) == {"x": 7}
+
+
+def test_each_message_clears_what_the_one_before_has_appended():
+    sight = Sight("agent", spaces.Dict(x=spaces.Sequence(spaces.Discrete(9))))
+    assert [told(sight, *[("agent@.x[]", number)] * 2)["x"] for number in (1, 2)] == [(1, 1), (2, 2)]
