@@ -31,15 +31,7 @@ try:
 except ImportError as error:
     raise without(error) from None
 
-__all__ = [
-    "PlainSpaces",
-    "UnityAECEnv",
-    "UnityGymEnv",
-    "UnityParallelEnv",
-    "UnityVectorEnv",
-    "carry",
-    "register",
-]
+__all__ = ["PlainSpaces", "UnityAECEnv", "UnityGymEnv", "UnityParallelEnv", "UnityVectorEnv", "carry", "register"]
 UNITY = {"entry_point": f"{__name__}:UnityGymEnv", "vector_entry_point": f"{__name__}:UnityVectorEnv"}
 ENVIRONMENTS: dict[str, dict[str, Any]] = {
     "NetMQExample/CartPole-v0": {**UNITY, "kwargs": {"env_name": "CartPole"}, "max_episode_steps": 500},

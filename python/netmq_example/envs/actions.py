@@ -42,10 +42,9 @@ class Actions:
         self.checks = checks or self.values
         self.bytes = Bytes(space)
         # By name: it is for those who have attributes.
-        plan: Any = importlib.import_module("netmq_example.envs.plan") if self.values else None
-        self.plan = plan
+        self.plan: Any = importlib.import_module("netmq_example.envs.plan") if self.values else None
         # As values they have a form. Where it is always the same, and of one size, it is said once for all rows.
-        form = plan.form_in(space) if plan and self.bytes.size else None
+        form = self.plan.form_in(space) if self.plan and self.bytes.size else None
         self.form = b"" if form is None else ENCODER.encode(form).encode()
         codec = self.bytes.codec
         # One array alone, as most have, is put with fewer calls of numpy.
@@ -139,15 +138,19 @@ class Actions:
 
 def misplaced(space: Any, action: Any, place: str = "") -> tuple[str, Any, Any]:
     """Where in an action it is that does not fit, its space, and what stands there."""
-    keys: Any = ()
-    if isinstance(space, spaces.Dict) and isinstance(action, dict) and action.keys() == space.spaces.keys():
-        keys = list(action)
-    elif isinstance(space, spaces.Tuple) and isinstance(action, tuple | list) and len(action) == len(space):
-        keys = range(len(space))
-    for key in keys:
-        if action[key] not in space[key]:
-            return misplaced(space[key], action[key], f"{place}[{key!r}]")
+    for key, part, item in parts_in(space, action) or ():
+        if item not in part:
+            return misplaced(part, item, f"{place}[{key!r}]")
     return f"{place}: " if place else "", space, action
+
+
+def parts_in(space: Any, action: Any) -> list[tuple[Any, Any, Any]] | None:
+    """Keys, each with its space and what is done there; None where the action has other ones, or there are none."""
+    if isinstance(space, spaces.Dict) and isinstance(action, dict) and action.keys() == space.spaces.keys():
+        return [(key, space[key], item) for key, item in action.items()]
+    if isinstance(space, spaces.Tuple) and isinstance(action, tuple | list) and len(action) == len(space):
+        return [(at, part, action[at]) for at, part in enumerate(space)]
+    return None
 
 
 def nearest(space: Any, action: Any) -> Any:
@@ -164,14 +167,10 @@ def nearest(space: Any, action: Any) -> Any:
                 return None
             # NaN is near nothing.
             return None if far.any() or np.isnan(limited).any() else limited
-        case spaces.Dict():
-            if not isinstance(action, dict) or action.keys() != space.spaces.keys():
+        case spaces.Dict() | spaces.Tuple():
+            parts = parts_in(space, action)
+            near = {key: nearest(part, item) for key, part, item in parts or ()}
+            if parts is None or any(one is None for one in near.values()):
                 return None
-            parts: Any = {key: nearest(part, action[key]) for key, part in space.items()}
-            return None if any(part is None for part in parts.values()) else parts
-        case spaces.Tuple():
-            if not isinstance(action, tuple | list) or len(action) != len(space):
-                return None
-            items = [nearest(part, item) for part, item in zip(space, action, strict=True)]
-            return None if any(item is None for item in items) else tuple(items)
+            return near if isinstance(space, spaces.Dict) else tuple(near.values())
     return action if action in space else None

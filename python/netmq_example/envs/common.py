@@ -3,8 +3,6 @@
 from collections.abc import Mapping
 from typing import Any, Self
 
-from gymnasium import logger
-
 # At most of a dict that a reset takes, in bytes; a state of a million numbers fits.
 LONGEST_OPTIONS = 16 * 1024 * 1024
 # Words of gymize and of this kit before 0.4, each with what is written today.
@@ -68,10 +66,3 @@ def checked_options(options: Any) -> dict[str, Any]:
     if "seed" in options:
         raise ValueError("options have no seed: write reset(seed=…)")
     return dict(options)
-
-
-def gives_pictures(mode: Any) -> bool:
-    """Whether render has pictures to give; where it has none it warns, as Gymnasium's own environments do."""
-    if mode is None:
-        logger.warn('render gives no picture: make the environment with render_mode="rgb_array"')
-    return mode is not None

@@ -162,7 +162,6 @@ def name_of(request: Any) -> str:
 
 
 def checked(request: Any, answer: Any) -> Any:
-    """An answer to this request."""
     if isinstance(answer, Message) and answer.kind == "error":
         code, text = (str(answer.values.get(name, "not said")) for name in ("code", "text"))
         if code == "unknown-peer":
@@ -236,7 +235,6 @@ class Simulators:
         return close_once
 
     def find(self, accept: Accept) -> None:
-        """Wait for a simulator that `accept` likes."""
         endpoint = self.connection.endpoint
         if self.launch:
             # One that was lost may still be there, and hang.

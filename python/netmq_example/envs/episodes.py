@@ -51,7 +51,6 @@ class Episodes:
             self.next[agent] = self.randoms[agent][0].integers(EXACT)
 
     def begun(self, agents: Any) -> None:
-        """New episodes of these."""
         self.draw(agents)
         self.steps[agents] = 0
         self.count_again()
@@ -81,10 +80,6 @@ class Episodes:
             self.steps[~steps] = 0
             self.count_again()
 
-    @property
-    def may_be_up(self) -> bool:
-        return bool(self.limit) and self.left <= 0
-
     def up(self) -> Any:
-        """The agents whose time is up."""
-        return self.steps >= self.limit if self.limit else np.zeros(self.count, bool)
+        """The agents whose time is up; None where there can be none."""
+        return self.steps >= self.limit if self.limit and self.left <= 0 else None

@@ -32,13 +32,13 @@ from gymnasium.spaces import Space
 from netmq_example import arguments
 from netmq_example.envs.actions import Actions
 from netmq_example.envs.common import MadeAnew
-from netmq_example.envs.kinds import Kind, SceneHello, agreed
+from netmq_example.envs.kinds import SceneHello, agreed
 from netmq_example.envs.observations import observations_of
-from netmq_example.envs.remote import GONE, Remote, info_in, is_seed, refused_reset, scene_infos
-from netmq_example.envs.rendering import MODES, Rendered, check_words
+from netmq_example.envs.remote import GONE, Remote, checked_seed, info_in, refused_reset, scene_infos
+from netmq_example.envs.rendering import MODES, Rendered
 from netmq_example.errors import Lost
 from netmq_example.messages import EXACT, MessageError
-from netmq_example.wire.records import ABSENT, RESET, SEEN, STEP, TERMINATED, TRUNCATED, Record, Section, seeds
+from netmq_example.wire.records import ABSENT, RESET, SEEN, STEP, TERMINATED, TRUNCATED, Record, Section
 from netmq_example.wire.space_bytes import empty
 
 REWARD = struct.Struct("<d")
@@ -66,20 +66,15 @@ class UnityGymEnv(MadeAnew, Rendered, gymnasium.Env[Any, Any]):
         view_endpoint: str = "",
         **where: Any,
     ) -> None:
-        check_words(render_mode, views, render_fps)
+        self.show(render_mode, views, render_fps, view_endpoint)
         check_space(observation_space, "observation")
         check_space(action_space, "action")
         self.given = observation_space, action_space
         self.agent_name = None if agent_name is None else arguments.text("agent_name", agent_name)
-        self.render_fps = render_fps
-        self.kind: Kind | None = None
+        self.kind: Any = None
         # Whether an episode is under way.
         self.begun = False
-        self.remote = Remote(env_name, self.use, file_name, **where)
-        self.simulators = self.remote.simulators
-        self.show(self.remote, render_mode, views, view_endpoint)
-        # Also when nobody calls close: at garbage collection, and at the end of the program. And only once.
-        self.close_once = self.started(self.remote)
+        self.find(Remote(env_name, self.use, file_name, **where))
 
     def use(self, scene: SceneHello) -> None:
         if self.kind:
@@ -96,18 +91,17 @@ class UnityGymEnv(MadeAnew, Rendered, gymnasium.Env[Any, Any]):
         self.row = kind.agents.index(name)
         # Nothing, which a step says of the others.
         self.zeros = bytes(8 * len(kind.agents))
-        self.marks = {order: marks_of(len(kind.agents), self.row, order) for order in (STEP, RESET)}
+        self.marks = {order: kind.marks(order, [self.row]) for order in (STEP, RESET)}
         self.metadata = {**self.metadata, "render_fps": self.render_fps or scene.frames_per_second(kind)}
         self.kind = kind
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
-        if seed is not None and not is_seed(seed):
-            raise ValueError(f"a seed is a whole number from 0 to 2**53 - 1, not {seed!r:.40}")
-        super().reset(seed=None if seed is None else int(seed))
+        seed = checked_seed(seed)
+        super().reset(seed=seed)
         # The scene gets a seed each time, so that an episode never depends on the one before.
-        seed = int(self.np_random.integers(EXACT)) if seed is None else int(seed)
+        first = int(self.np_random.integers(EXACT)) if seed is None else seed
         with refused_reset(self):
-            answer = self.remote.begin(lambda _: [self.reset_section(seed)], options)
+            answer = self.remote.begin(lambda _: [self.kind.section(first, self.marks[RESET])], options)
             section = answer.sections[0]
             if section.marks[self.row] & ABSENT:
                 raise MessageError("unknown-agent", f"agent {self.agent_name} is not in the scene now")
@@ -118,11 +112,6 @@ class UnityGymEnv(MadeAnew, Rendered, gymnasium.Env[Any, Any]):
         info = self.info(answer)
         self.filmed(begins=True)
         return seen, info
-
-    def reset_section(self, seed: int) -> Section:
-        kind: Any = self.kind
-        numbers = seeds([seed + kind.first + row for row in range(len(kind.agents))])
-        return Section(kind.at, numbers, self.marks[RESET])
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         if not self.begun or self.remote.interrupted:
@@ -154,8 +143,7 @@ class UnityGymEnv(MadeAnew, Rendered, gymnasium.Env[Any, Any]):
         return seen, reward, bool(ends & TERMINATED), bool(ends & TRUNCATED), info
 
     def ask_step(self, action: Any) -> Record:
-        kind: Any = self.kind
-        section = Section(kind.at, self.zeros, self.marks[STEP])
+        section = Section(self.kind.at, self.zeros, self.marks[STEP])
         self.actions.put(section, [action])
         self.remote.wait_for_tick()
         return self.remote.ask([section])
@@ -170,21 +158,7 @@ class UnityGymEnv(MadeAnew, Rendered, gymnasium.Env[Any, Any]):
         return info
 
     def own_picture(self, pictures: list[Any]) -> Any:
-        kind: Any = self.kind
-        return pictures[0] if len(pictures) == 1 else pictures[kind.first + self.row]
-
-    def send_info(self, info: Any, agent: str | None = None) -> None:
-        """To the scene itself, or to an agent: what a value is, trees.py says. `bytes` are C#'s `byte[]`."""
-        self.remote.send_info(info, agent or "")
-
-    def close(self) -> None:
-        self.end_films()
-        self.close_once()
-
-
-def marks_of(count: int, row: int, order: int) -> bytes:
-    """An order to one, and to the others none."""
-    return bytes(order if at == row else 0 for at in range(count))
+        return pictures[0] if len(pictures) == 1 else pictures[self.kind.first + self.row]
 
 
 def check_space(space: Any, which: str) -> None:

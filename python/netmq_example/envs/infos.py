@@ -66,9 +66,7 @@ class Infos:
 
     def columns(self) -> dict[str, Any] | None:
         """Arrays made at once of the bytes; None where the infos have not all the same form."""
-        section = self.section
-        if section is None:
-            return None
+        section: Any = self.section
         table = np.frombuffer(section.table, np.uint32).reshape(-1, 2)
         size = int(table[0, 1])
         head = 4 + trees.SIZE.unpack_from(section.infos)[0]
@@ -116,13 +114,13 @@ class Infos:
             array = np.zeros((self.count, *first.shape), first.dtype)
             array[mask] = values
             return array
+        each = dict(zip(np.flatnonzero(mask).tolist(), values, strict=True))
         if len(forms) == 1 and isinstance(values[0], dict):
             part = Infos(self.count)
-            for agent, value in zip(np.flatnonzero(mask).tolist(), values, strict=True):
-                part.add(agent, value)
+            part.added = each
             return part.mixed()
         objects = np.full(self.count, None, object)
-        for agent, value in zip(np.flatnonzero(mask).tolist(), values, strict=True):
+        for agent, value in each.items():
             objects[agent] = value
         return objects
 

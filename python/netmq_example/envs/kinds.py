@@ -8,6 +8,7 @@ Agents of a kind have one space, and a row each in every record: row i is agent 
 one kind after the other, and a seed is that of agent 0; agent i has the seed + i. MessageError says what is wrong.
 """
 
+from collections.abc import Container
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,6 +16,7 @@ from gymnasium.spaces import Space
 
 from netmq_example.messages import Message, MessageError, take
 from netmq_example.wire import trees
+from netmq_example.wire.records import NOTHING, Section, seeds
 from netmq_example.wire.spaces import space_of
 
 # The record (wire/records.py) that this kit speaks.
@@ -34,6 +36,14 @@ class Kind:
     action: Space[Any] | None
     # Whether what is seen comes as locators and values, also where the scene says the space.
     located: bool
+
+    def marks(self, order: int, rows: Container[int]) -> bytes:
+        """An order to some of its agents, and to the others none."""
+        return bytes(order if row in rows else NOTHING for row in range(len(self.agents)))
+
+    def section(self, seed: int, marks: bytes) -> Section:
+        """Orders to its agents; the seed is that of agent 0 of the scene."""
+        return Section(self.at, seeds([seed + self.first + row for row in range(len(self.agents))]), marks)
 
 
 @dataclass(frozen=True)

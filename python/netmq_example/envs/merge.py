@@ -73,7 +73,6 @@ def merge(observations: dict[str, Any], locator: Locator, value: Any, appended: 
 
 
 def part_of(whole: Any, step: Step) -> Any:
-    """Follow one step of the source."""
     if isinstance(step, tuple) and not isinstance(whole, np.ndarray | np.generic):
         raise TypeError(f"{type(whole).__name__} has no {spelled((step,))}")
     return whole[step]

@@ -9,7 +9,7 @@ Whatever is returned is fresh: its user may change it. An agent of whom nothing 
 """
 
 import importlib
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -24,13 +24,15 @@ from netmq_example.wire.spaces import Numbers
 NOBODY: frozenset[int] = frozenset()
 
 
-def observations_of(space: Space[Any], kind: Kind) -> Any:
-    """An agent in code sends what is in the space, one with attributes locators and values: sights.py reads them."""
+def observations_of(space: Space[Any], kind: Kind, spaces: Mapping[str, Space[Any]] | None = None) -> Any:
+    """An agent in code sends what is in the space, one with attributes locators and values: sights.py reads them, where
+    each agent may have a space of its own.
+    """
     if not kind.located:
         return Rows(space, len(kind.agents))
     try:
         # By name: a copy of a lesson whose agents have no attributes goes without.
-        return importlib.import_module("netmq_example.envs.sights").Sights(space, kind.agents)
+        return importlib.import_module("netmq_example.envs.sights").Sights(space, kind.agents, spaces or {})
     except ModuleNotFoundError as error:
         raise MessageError(
             "no-attributes", f"agents with attributes need {error.name}, which this copy lacks"
@@ -90,9 +92,6 @@ class Rows:
             return self.bytes.read(self.block[at : at + self.bytes.size])
         row = self.rows[agent]
         return empty(self.space, "") if row is None else self.bytes.read(row)
-
-    def use(self, agents: dict[int, str], spaces: dict[str, Space[Any]]) -> None:
-        """All have one space."""
 
     def warn(self, agents: Iterable[int]) -> None:
         """An observation in code is always whole."""

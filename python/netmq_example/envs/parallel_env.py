@@ -14,8 +14,10 @@ Errors, and where the simulator comes from, are those of gym_env.py. It needs pe
 """
 
 import copy
+import functools
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import gymnasium
@@ -31,41 +33,27 @@ from netmq_example.envs.gym_env import check_space
 from netmq_example.envs.kinds import Kind, SceneHello, agreed
 from netmq_example.envs.merge import fitted
 from netmq_example.envs.observations import observations_of
-from netmq_example.envs.remote import GONE, Remote, info_in, is_seed, refused_reset, scene_infos
-from netmq_example.envs.rendering import MODES, Rendered, check_words
+from netmq_example.envs.remote import GONE, Remote, checked_seed, info_in, refused_reset, scene_infos
+from netmq_example.envs.rendering import MODES, Rendered
 from netmq_example.errors import Lost
 from netmq_example.messages import EXACT, MessageError
-from netmq_example.wire import trees
-from netmq_example.wire.records import (
-    ABSENT,
-    NEW,
-    NOTHING,
-    RESET,
-    SEEN,
-    STEP,
-    TERMINATED,
-    TRUNCATED,
-    Record,
-    Section,
-    rewards_in,
-    seeds,
-    with_sizes,
-)
+from netmq_example.wire import records, trees
+from netmq_example.wire.records import Record, Section, rewards_in, with_sizes
 
 Spaces = Mapping[str, Space[Any]]
 Outcome = tuple[Any, float, bool, bool, dict[str, Any]]
 
 
+@dataclass
 class Team:
     """The agents of one kind that are asked for, by row."""
 
-    def __init__(self, kind: Kind, agents: dict[int, str], seen: Any, actions: Actions, mixed: bool) -> None:
-        self.kind = kind
-        self.agents = agents
-        self.seen = seen
-        self.actions = actions
-        # Python says what each of them does, and not the same of all.
-        self.mixed = mixed
+    kind: Kind
+    agents: dict[int, str]
+    seen: Any
+    actions: Actions
+    # Python says what each of them does, and not the same of all.
+    mixed: bool
 
 
 class UnityParallelEnv(MadeAnew, Rendered, ParallelEnv):  # type: ignore[misc, unused-ignore]
@@ -84,28 +72,23 @@ class UnityParallelEnv(MadeAnew, Rendered, ParallelEnv):  # type: ignore[misc, u
         real_time: bool = False,
         **where: Any,
     ) -> None:
-        check_words(render_mode, views, render_fps)
+        self.show(render_mode, views, render_fps, view_endpoint)
         self.given = given_spaces(observation_spaces, "observation"), given_spaces(action_spaces, "action")
         self.observation_spaces: dict[str, Space[Any]] = {}
         self.action_spaces: dict[str, Space[Any]] = {}
-        self.render_fps = render_fps
         self.teams: list[Team] = []
         self.agents: list[str] = []
         # Whether an episode is under way: all may be over in it, and one may come yet.
         self.begun = False
         self.random, _ = seeding.np_random()
-        self.remote = Remote(env_name, self.use, file_name, real_time, **where)
-        self.simulators = self.remote.simulators
-        self.show(self.remote, render_mode, views, view_endpoint)
-        # Also when nobody calls close: at garbage collection, and at the end of the program. And only once.
-        self.close_once = self.started(self.remote)
+        self.find(Remote(env_name, self.use, file_name, real_time, **where))
         self.possible_agents = [agent for team in self.teams for agent in team.agents.values()]
 
     def use(self, scene: SceneHello) -> None:
         if self.teams:
             return
         observations, actions = self.given
-        asked = list(dict.fromkeys([*(observations or {}), *(actions or {})])) or scene.agents
+        asked = list(dict.fromkeys([*observations, *actions])) or scene.agents
         for agent in asked:
             scene.kind_of(agent)
         teams = []
@@ -115,14 +98,10 @@ class UnityParallelEnv(MadeAnew, Rendered, ParallelEnv):  # type: ignore[misc, u
                 continue
             for agent in agents.values():
                 # A sample from the space of one agent must not change the samples of another one.
-                for which, given, spaces in (
-                    ("observation", observations, self.observation_spaces),
-                    ("action", actions, self.action_spaces),
-                ):
-                    spaces[agent] = copy.deepcopy(agreed(kind, which, (given or {}).get(agent)))
+                self.observation_spaces[agent] = copy.deepcopy(agreed(kind, "observation", observations.get(agent)))
+                self.action_spaces[agent] = copy.deepcopy(agreed(kind, "action", actions.get(agent)))
             first = next(iter(agents.values()))
-            seen = observations_of(self.observation_spaces[first], kind)
-            seen.use(agents, self.observation_spaces)
+            seen = observations_of(self.observation_spaces[first], kind, self.observation_spaces)
             team_actions = Actions(self.action_spaces[first], kind, checks=self.simulators.fleet)
             mixed = any(self.action_spaces[agent] != team_actions.space for agent in agents.values())
             teams.append(Team(kind, agents, seen, team_actions, mixed))
@@ -142,15 +121,14 @@ class UnityParallelEnv(MadeAnew, Rendered, ParallelEnv):  # type: ignore[misc, u
         return self.action_spaces[agent]
 
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict[str, Any], ...]:
-        """Observations and infos."""
+        seed = checked_seed(seed)
         if seed is not None:
-            if not is_seed(seed):
-                raise ValueError(f"a seed is a whole number from 0 to 2**53 - 1, not {seed!r:.40}")
-            self.random, _ = seeding.np_random(int(seed))
+            self.random, _ = seeding.np_random(seed)
         # The scene gets a seed each time, so that an episode never depends on the one before.
-        seed = int(self.random.integers(EXACT)) if seed is None else int(seed)
+        first = int(self.random.integers(EXACT)) if seed is None else seed
         with refused_reset(self):
-            answer = self.remote.begin(lambda _: [reset_section(team, seed) for team in self.teams], options)
+            sections = [team.kind.section(first, team.kind.marks(records.RESET, team.agents)) for team in self.teams]
+            answer = self.remote.begin(lambda _: sections, options)
             outcomes = self.outcomes(answer, begins=True)
         self.begun = True
         self.agents = list(outcomes)
@@ -183,10 +161,8 @@ class UnityParallelEnv(MadeAnew, Rendered, ParallelEnv):  # type: ignore[misc, u
         living = {*self.agents}
         sections = []
         for team in self.teams:
-            count = len(team.kind.agents)
             stepping = {row: agent for row, agent in team.agents.items() if agent in living}
-            marks = bytes(STEP if row in stepping else NOTHING for row in range(count))
-            section = Section(team.kind.at, bytes(8 * count), marks)
+            section = Section(team.kind.at, bytes(8 * len(team.kind.agents)), team.kind.marks(records.STEP, stepping))
             done = {agent: self.checked(team, agent, actions[agent]) for agent in stepping.values()}
             if team.mixed:
                 with_sizes(section, [trees.write(fitted(self.action_spaces[agent], done[agent], "")) for agent in done])
@@ -210,42 +186,39 @@ class UnityParallelEnv(MadeAnew, Rendered, ParallelEnv):  # type: ignore[misc, u
         for team, section in zip(self.teams, answer.sections, strict=True):
             rewards = rewards_in(section)
             infos = {row: info_in(data) for row, data in section.each_info()} if section.table else {}
-            new = {row for row, mark in enumerate(section.marks) if begins or mark & NEW}
+            new = {row for row, mark in enumerate(section.marks) if begins or mark & records.NEW}
             team.seen.take(section, new)
             for row, agent in team.agents.items():
                 mark = section.marks[row]
-                if not mark & SEEN and not (mark & ABSENT and agent in living and not begins):
+                if not mark & records.SEEN and not (mark & records.ABSENT and agent in living and not begins):
                     continue
                 info = {**everyone, **infos.get(row, {})}
-                ends = mark & (TERMINATED | TRUNCATED)
-                if mark & ABSENT and not ends:
-                    ends = TRUNCATED
+                ends = mark & (records.TERMINATED | records.TRUNCATED)
+                if mark & records.ABSENT and not ends:
+                    ends = records.TRUNCATED
                     info["lost"] = GONE
                 seen = team.seen.one(row)
-                found[agent] = seen, rewards[row], bool(ends & TERMINATED), bool(ends & TRUNCATED), info
+                found[agent] = seen, rewards[row], bool(ends & records.TERMINATED), bool(ends & records.TRUNCATED), info
         if begins and not found:
             raise MessageError("no-agents", "none of the agents is in the scene now")
         return found
 
     def lost(self, why: str) -> dict[str, Outcome]:
         """The last observations stand for unknown ones."""
-        rows = [(team, row, agent) for team in self.teams for row, agent in team.agents.items()]
         return {
             agent: (team.seen.one(row), 0.0, False, True, {"lost": why})
-            for team, row, agent in rows
+            for team in self.teams
+            for row, agent in team.agents.items()
             if agent in self.agents
         }
 
-    def own_picture(self, pictures: list[Any]) -> Any:
-        return pictures[0]
 
-    def send_info(self, info: Any, agent: str = "") -> None:
-        """To an agent, or to the scene itself, which is ""."""
-        self.remote.send_info(info, agent)
+def of_world(method: Any) -> Any:
+    @functools.wraps(method)
+    def call(self: Any, *args: Any, **kwargs: Any) -> Any:
+        return method(self.unwrapped, *args, **kwargs)
 
-    def close(self) -> None:
-        self.end_films()
-        self.close_once()
+    return call
 
 
 class UnityAECEnv(MadeAnew, BaseWrapper):  # type: ignore[misc, unused-ignore]
@@ -254,39 +227,21 @@ class UnityAECEnv(MadeAnew, BaseWrapper):  # type: ignore[misc, unused-ignore]
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(parallel_to_aec(UnityParallelEnv(*args, **kwargs)))
 
-    def send_info(self, info: Any, agent: str = "") -> None:
-        """To an agent, or to the scene itself, which is ""."""
-        self.unwrapped.send_info(info, agent)
-
-    def begin_render(self, screen_width: int = -1, screen_height: int = -1, fullscreen: bool = False) -> None:
-        """As in rendering.py."""
-        self.unwrapped.begin_render(screen_width, screen_height, fullscreen)
-
-    def end_render(self) -> None:
-        """As in rendering.py."""
-        self.unwrapped.end_render()
-
-    def render_all(self, video_paths: Any = None) -> dict[str, Any]:
-        """As in rendering.py."""
-        films: dict[str, Any] = self.unwrapped.render_all(video_paths)
-        return films
+    send_info = of_world(Rendered.send_info)
+    begin_render = of_world(Rendered.begin_render)
+    end_render = of_world(Rendered.end_render)
+    render_all = of_world(Rendered.render_all)
 
 
-def given_spaces(spaces: Any, which: str) -> dict[str, Space[Any]] | None:
+def given_spaces(spaces: Any, which: str) -> dict[str, Space[Any]]:
     if spaces is None:
-        return None
+        return {}
     if not isinstance(spaces, Mapping) or not spaces:
         raise ValueError(f"{which}_spaces take a dict of agents and spaces, not {spaces!r:.40}")
     for name, space in spaces.items():
         arguments.text("the name of an agent", name)
         check_space(space, which)
     return dict(spaces)
-
-
-def reset_section(team: Team, seed: int) -> Section:
-    count = len(team.kind.agents)
-    marks = bytes(RESET if row in team.agents else NOTHING for row in range(count))
-    return Section(team.kind.at, seeds([seed + team.kind.first + row for row in range(count)]), marks)
 
 
 def by_agent(outcomes: dict[str, Outcome], part: int) -> dict[str, Any]:

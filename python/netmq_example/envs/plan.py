@@ -18,8 +18,8 @@ import contextlib
 import copy
 import functools
 import warnings
-from collections.abc import Callable, Iterator
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -32,7 +32,7 @@ from netmq_example.messages import DTYPES, MessageError
 from netmq_example.wire import trees
 from netmq_example.wire.space_bytes import codec_of, empty
 from netmq_example.wire.spaces import Codec
-from netmq_example.wire.trees import REASONS, Reader
+from netmq_example.wire.trees import REASONS, Reader, made_of
 
 # Each is read once. A scene has few; one that sends ever new ones fills no memory.
 scope_of: Callable[[str], Locator] = functools.lru_cache(10_000)(lambda name: parse(f"{quoted(name)}@"))
@@ -46,7 +46,7 @@ class Sight:
         self.name = name
         self.space = space
         self.where = f"{quoted(name)}@"
-        self.plans: dict[bytes, Plan | None] = {}
+        self.plan_for = trees.kept(functools.partial(planned, name, space))
         self.forget()
 
     def forget(self) -> None:
@@ -74,19 +74,6 @@ class Sight:
                 return
         self.old = fitted(self.space, self.merged(form, numbers), self.where)
         self.plan = None
-
-    def plan_for(self, form: bytes) -> "Plan | None":
-        if form in self.plans:
-            return self.plans[form]
-        try:
-            plan = planned(self.name, self.space, form)
-        except ValueError as error:
-            raise trees.bad(error) from None
-        if len(self.plans) >= trees.MOST_KEPT:
-            self.plans.clear()
-        if len(form) <= trees.LONGEST_KEPT:
-            self.plans[form] = plan
-        return plan
 
     def again(self) -> Any:
         if self.fresh is not None:
@@ -154,24 +141,28 @@ def put(places: Any, values: list[Any], old: Any) -> Any:
 
 def planned(name: str, space: Space[Any], form: bytes) -> Plan | None:
     """None where values must be merged."""
-    steps: list[Reader] = []
-    paths: dict[Path, int] = {}
+    targets = targets_of(name, space, form)
+    try:
+        steps: list[Any] = [fitter(target, part) for target, part in (targets or {}).values()]
+    except ValueError as error:
+        raise trees.bad(error) from None
+    return None if targets is None or None in steps else Plan(steps, places_of(space, list(targets)))
+
+
+def targets_of(name: str, space: Space[Any], form: bytes) -> dict[Path, tuple[Space[Any], Any]] | None:
+    """Where each value goes: the part of the space, and the form; None if that is more than to a key."""
+    targets: dict[Path, tuple[Space[Any], Any]] = {}
     for text, part in trees.pairs_of(form):
         mappings = mappings_for(name, text)
         path = mappings[0].destination if len(mappings) == 1 else (0,)
         target = at_keys(space, path)
-        if target is None or mappings[0].source or overlaps(path, paths):
+        if target is None or mappings[0].source or overlaps(path, targets):
             return None
-        step = fitter(target, part)
-        if step is None:
-            return None
-        paths[path] = len(steps)
-        steps.append(step)
-    return Plan(steps, places_of(space, paths, ()))
+        targets[path] = target, part
+    return targets
 
 
 def mappings_for(name: str, text: str) -> list[Mapping]:
-    """Where a value goes in the observation of this agent."""
     try:
         mappings = known(text, name).mappings
     except LocatorError as error:
@@ -179,13 +170,13 @@ def mappings_for(name: str, text: str) -> list[Mapping]:
     return [one for one in mappings if one.names(name)]
 
 
+@dataclass
 class Table:
     """Many rows of one form, whose values go to keys: each key is a column of their bytes."""
 
-    def __init__(self, size: int, places: Any, columns: list[tuple[Codec, int]]) -> None:
-        self.size = size
-        self.places = places
-        self.columns = columns
+    size: int
+    places: Any
+    columns: list[tuple[Codec, int]]
 
     def read(self, values: Any, count: int) -> Any:
         """A batch. MessageError: it is not in the space; the sight of each agent says where."""
@@ -198,21 +189,15 @@ class Table:
 def table_of(name: str, space: Space[Any], form: bytes) -> Table | None:
     """None where rows take more than columns."""
     columns: list[tuple[Codec, int]] = []
-    paths: dict[Path, int] = {}
     at = 0
-    for text, part in trees.pairs_of(form):
-        mappings = mappings_for(name, text)
-        path = mappings[0].destination if len(mappings) == 1 else (0,)
-        target = at_keys(space, path)
-        if target is None or mappings[0].source or overlaps(path, paths) or part != form_in(target):
+    targets = targets_of(name, space, form) or {}
+    for target, part in targets.values():
+        if part != form_in(target) or not codec_of(target).size:
             return None
         codec = codec_of(target)
-        if not codec.size:
-            return None
-        paths[path] = len(columns)
         columns.append((codec, at))
         at += codec.size
-    places = places_of(space, paths, ())
+    places = places_of(space, list(targets))
     return None if has_none(places) or not columns else Table(at, places, columns)
 
 
@@ -235,17 +220,16 @@ def at_keys(space: Space[Any], path: Path) -> Space[Any] | None:
     return part  # type: ignore[no-any-return]
 
 
-def overlaps(path: Path, others: dict[Path, int]) -> bool:
+def overlaps(path: Path, others: Iterable[Path]) -> bool:
     return any(path[: len(other)] == other or other[: len(path)] == path for other in others)
 
 
-def places_of(space: Space[Any], paths: dict[Path, int], at: Path) -> Any:
+def places_of(space: Any, paths: list[Path], at: Path = ()) -> Any:
     if at in paths:
-        return paths[at]
+        return paths.index(at)
     if not any(path[: len(at)] == at for path in paths):
         return None
-    parts: Any = space
-    return {key: places_of(part, paths, (*at, key)) for key, part in parts.items()}
+    return {key: places_of(part, paths, (*at, key)) for key, part in space.items()}
 
 
 def fitter(space: Space[Any], form: Any) -> Reader | None:
@@ -254,13 +238,15 @@ def fitter(space: Space[Any], form: Any) -> Reader | None:
         case spaces.Dict(), {"dict": dict(parts)}:
             if parts.keys() != space.spaces.keys():
                 return None
-            each = {key: fitter(space[key], part) for key, part in parts.items()}
-            return None if None in each.values() else dict_fitter(each, list(space))
+            each: list[Any] = [fitter(space[key], part) for key, part in parts.items()]
+            # In the order of the space.
+            order = [(key, list(parts).index(key)) for key in space]
+            return None if None in each else made_of(each, lambda values: {key: values[at] for key, at in order})
         case spaces.Dict(), _:
             return None
         case spaces.Sequence(stack=False), list() if len(form) <= MOST_ITEMS:
-            items = [fitter(space.feature_space, part) for part in form]
-            return None if None in items else tuple_fitter(items)
+            items: list[Any] = [fitter(space.feature_space, part) for part in form]
+            return None if None in items else made_of(items, tuple)
         case _, str() if form == form_in(space):
             return codec_of(space).read
     # Of another dtype, or one number for an array of one.
@@ -289,22 +275,3 @@ def form_in(space: Space[Any]) -> Any:
             items = [form_in(part) for part in space]
             return None if None in items else items
     return None
-
-
-def dict_fitter(each: dict[str, Any], keys: list[str]) -> Reader:
-    steps = list(each.values())
-
-    def read(numbers: Any, at: int) -> tuple[Any, int]:
-        values, at = trees.in_turn(steps, numbers, at)
-        found = dict(zip(each, values, strict=True))
-        return {key: found[key] for key in keys}, at
-
-    return read
-
-
-def tuple_fitter(items: list[Any]) -> Reader:
-    def read(numbers: Any, at: int) -> tuple[Any, int]:
-        values, at = trees.in_turn(items, numbers, at)
-        return tuple(values), at
-
-    return read

@@ -54,7 +54,11 @@ class Remote:
         self.dt = 0.0
         self.next = 0.0
         self.bits = REAL_TIME if check.instance("real_time", real_time, bool) else 0
-        self.simulators = Simulators(**launched_as(file_name, where))
+        if file_name is not None:
+            if not isinstance(file_name, str | os.PathLike) or not os.fspath(file_name):
+                raise ValueError(f"file_name takes the path of a game, not {file_name!r:.40}")
+            where = {"launch": file_name, **where}
+        self.simulators = Simulators(**where)
         if real_time and self.simulators.fleet:
             raise ValueError("real_time takes one simulator: those of a fleet are asked anew, and so have no clock")
 
@@ -118,14 +122,6 @@ class Remote:
         return [array.numpy().copy() for array in arrays]
 
 
-def launched_as(file_name: Any, where: dict[str, Any]) -> dict[str, Any]:
-    if file_name is None:
-        return where
-    if not isinstance(file_name, str | os.PathLike) or not os.fspath(file_name):
-        raise ValueError(f"file_name takes the path of a game, not {file_name!r:.40}")
-    return {"launch": file_name, **where}
-
-
 def options_as_bytes(options: Any) -> bytes:
     """The options that reset sends. ValueError names a value that no simulator could read."""
     options = checked_options(options)
@@ -140,6 +136,12 @@ def options_as_bytes(options: Any) -> bytes:
 
 def is_seed(seed: Any) -> bool:
     return isinstance(seed, int | np.integer) and not isinstance(seed, bool) and bool(0 <= seed < EXACT)
+
+
+def checked_seed(seed: Any) -> int | None:
+    if seed is None or is_seed(seed):
+        return None if seed is None else int(seed)
+    raise ValueError(f"a seed is a whole number from 0 to 2**53 - 1, not {seed!r:.40}")
 
 
 @contextlib.contextmanager

@@ -28,8 +28,7 @@ from typing import Any
 from gymnasium import logger
 
 from netmq_example import arguments
-from netmq_example.envs.common import gives_pictures
-from netmq_example.envs.connection import FREE_PORT
+from netmq_example.envs.connection import FREE_PORT, Simulators
 from netmq_example.envs.remote import Remote
 from netmq_example.errors import Lost
 from netmq_example.finalizers import finalizer
@@ -44,6 +43,8 @@ class Rendered:
     render_mode: str | None
     metadata: dict[str, Any]
     remote: Remote
+    simulators: Simulators
+    close_once: Callable[[], object]
     # Of views.py.
     renderer: Any = None
     views: tuple[Sequence[str], str] = (("",), "")
@@ -51,22 +52,33 @@ class Rendered:
     draws: bool | None = None
     newest: Any = None
 
-    def show(self, remote: Remote, mode: str | None, views: Sequence[str], view_endpoint: str) -> None:
-        """Before the simulator is found: one that is launched is told where its views go."""
+    def show(self, mode: Any, views: Any, render_fps: Any, view_endpoint: str) -> None:
+        """A mistake is named before anybody is waited for."""
+        if mode not in (None, *MODES):
+            raise ValueError(f"render_mode takes None or one of {', '.join(MODES)}, not {mode!r:.40}")
+        if not isinstance(views, list | tuple) or not views or not all(isinstance(view, str) for view in views):
+            raise ValueError(f'views takes a list of names, such as ["", "front"], not {views!r:.80}')
+        if render_fps is not None:
+            arguments.number("render_fps", render_fps, least=0.01, most=1000)
         self.render_mode = mode
+        self.render_fps = render_fps
         self.views = views, view_endpoint
-        if mode is None or (mode == "rgb_array" and not self.wants_views(remote)):
-            return
+
+    def find(self, remote: Remote) -> None:
+        """Its simulator. One that is launched is told where its views go; if none comes, their port is free at once."""
+        self.remote = remote
+        self.simulators = remote.simulators
         try:
-            self.open_views(remote)
+            # Libraries always ask for rgb_array, also where there is no Pillow, or the views' port is another one's.
+            launches = remote.simulators.launch and importlib.util.find_spec("PIL")
+            if self.render_mode not in (None, "rgb_array") or (self.render_mode and launches):
+                self.open_views(remote)
+            # Also when nobody calls close: at garbage collection, and at the end of the program. And only once.
+            self.close_once = remote.simulators.start(self, remote.accept)
         except BaseException:
+            self.end_films()
             remote.simulators.close()
             raise
-
-    def wants_views(self, remote: Remote) -> bool:
-        """Whether views may be needed, and can be taken. Libraries always ask for rgb_array, also where there is no
-        Pillow, and where the views' port is another environment's."""
-        return bool(remote.simulators.launch) and importlib.util.find_spec("PIL") is not None
 
     def open_views(self, remote: Remote) -> None:
         views, endpoint = self.views
@@ -86,14 +98,6 @@ class Rendered:
                 raise ValueError("this environment is closed")
             self.open_views(self.remote)
         return self.renderer
-
-    def started(self, remote: Remote) -> Callable[[], object]:
-        """Find a simulator, and return the function that ends it. If none comes, the views' port is free at once."""
-        try:
-            return remote.simulators.start(self, remote.accept)
-        except BaseException:
-            self.end_films()
-            raise
 
     def drawn(self) -> list[Any] | None:
         """The pictures that the scene draws itself; None if it draws none."""
@@ -115,15 +119,20 @@ class Rendered:
         return pictures
 
     def own_picture(self, pictures: list[Any]) -> Any:
-        """That of this environment."""
-        raise NotImplementedError
+        return pictures[0]
+
+    def gives_pictures(self) -> bool:
+        """Where there are none it warns, as Gymnasium's own environments do."""
+        if self.render_mode is None:
+            logger.warn('render gives no picture: make the environment with render_mode="rgb_array"')
+        return self.render_mode is not None
 
     def begin_render(self, screen_width: int = -1, screen_height: int = -1, fullscreen: bool = False) -> None:
         """Begin a film of each view, in place of the one before. -1 is the largest size that the game allows.
 
         The screen stays as it is. It is always the pictures that are so large.
         """
-        if gives_pictures(self.render_mode):
+        if self.gives_pictures():
             if fullscreen:
                 logger.warn("fullscreen changes nothing: begin_render leaves the screen as it is")
             self.viewed().begin(screen_width, screen_height)
@@ -139,7 +148,7 @@ class Rendered:
         A film whose path is None or missing is an MP4 in bytes, else a file, which replaces one of that name; its whole
         path is returned. What the path ends in decides what it becomes, see film_writer.py.
         """
-        if not gives_pictures(self.render_mode):
+        if not self.gives_pictures():
             return {}
         renderer = self.viewed()
         films: dict[str, Any] = renderer.all_of(renderer.views, video_paths or {}, self.metadata["render_fps"])
@@ -147,7 +156,7 @@ class Rendered:
 
     def render(self) -> Any:
         """The same of the first view alone; or the picture that the scene draws itself."""
-        if not gives_pictures(self.render_mode):
+        if not self.gives_pictures():
             return None
         if self.render_mode == "rgb_array":
             pictures = self.drawn()
@@ -166,12 +175,10 @@ class Rendered:
         if self.renderer:
             self.renderer.close()
 
+    def send_info(self, info: Any, agent: str | None = None) -> None:
+        """To an agent, or to the scene itself: what a value is, trees.py says. `bytes` are C#'s `byte[]`."""
+        self.remote.send_info(info, agent or "")
 
-def check_words(mode: Any, views: Any, render_fps: Any) -> None:
-    """A mistake is named before anybody is waited for."""
-    if mode not in (None, *MODES):
-        raise ValueError(f"render_mode takes None or one of {', '.join(MODES)}, not {mode!r:.40}")
-    if not isinstance(views, list | tuple) or not views or not all(isinstance(view, str) for view in views):
-        raise ValueError(f'views takes a list of names, such as ["", "front"], not {views!r:.80}')
-    if render_fps is not None:
-        arguments.number("render_fps", render_fps, least=0.01, most=1000)
+    def close(self) -> None:
+        self.end_films()
+        self.close_once()

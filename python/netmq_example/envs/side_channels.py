@@ -13,9 +13,10 @@ stands. A scene without side channels goes on without them, and one line says so
 
 import logging
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
-from netmq_example import arguments, check
+from netmq_example import check
 from netmq_example.envs.connection import Simulators
 from netmq_example.errors import Lost
 from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
@@ -38,14 +39,14 @@ def carry(env: Any, manager: SideChannelManager) -> None:
     simulators.ask = StepCarrier(simulators.ask, manager).ask
 
 
+@dataclass
 class StepCarrier:
     """Stands in front of an environment's `ask`."""
 
-    def __init__(self, asked: Callable[[Any], Any], manager: SideChannelManager) -> None:
-        self.asked = arguments.function("asked", asked)
-        self.manager = check.instance("manager", manager, SideChannelManager)
-        self.unsent = b""
-        self.told = False
+    asked: Callable[[Any], Any]
+    manager: SideChannelManager
+    unsent: bytes = b""
+    told: bool = False
 
     def ask(self, request: Any) -> Any:
         if not isinstance(request, Record):

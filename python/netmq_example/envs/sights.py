@@ -4,7 +4,8 @@ It needs gymnasium and numpy.
 """
 
 import contextlib
-from collections.abc import Collection, Iterable
+import functools
+from collections.abc import Collection, Iterable, Mapping
 from typing import Any
 
 from gymnasium.spaces import Space
@@ -20,10 +21,10 @@ from netmq_example.wire.space_bytes import together
 class Sights:
     """Observations that come as locators and values."""
 
-    def __init__(self, space: Space[Any], agents: tuple[str, ...]) -> None:
+    def __init__(self, space: Space[Any], agents: tuple[str, ...], spaces: Mapping[str, Space[Any]]) -> None:
         self.space = space
-        self.sights = [Sight(agent, space) for agent in agents]
-        self.tables: dict[bytes, Table | None] = {}
+        self.sights = [Sight(agent, spaces.get(agent, space)) for agent in agents]
+        self.table_for = trees.kept(functools.partial(table_of, agents[0], space))
         # The newest values of all, where they go to their places at once. The sights do not know of them yet.
         self.table: Table | None = None
         self.form = b""
@@ -49,20 +50,6 @@ class Sights:
                 self.sights[agent].forget()
             if row is not None:
                 self.sights[agent].read(*((section.form, row) if section.columns & FORM else trees.parted(row)))
-
-    def use(self, agents: dict[int, str], spaces: dict[str, Space[Any]]) -> None:
-        """Each with a space of its own."""
-        self.sights = [
-            Sight(sight.name, spaces[agents[at]] if at in agents else self.space)
-            for at, sight in enumerate(self.sights)
-        ]
-
-    def table_for(self, form: bytes) -> Table | None:
-        if form not in self.tables:
-            if len(self.tables) >= trees.MOST_KEPT:
-                self.tables.clear()
-            self.tables[form] = table_of(self.sights[0].name, self.space, form)
-        return self.tables[form]
 
     def sync(self) -> None:
         """Tell the sights what came last."""

@@ -29,31 +29,27 @@ from netmq_example.envs.common import MadeAnew, checked_options
 from netmq_example.envs.episodes import Episodes
 from netmq_example.envs.gym_env import check_space
 from netmq_example.envs.infos import Infos
-from netmq_example.envs.kinds import Kind, SceneHello, agreed
+from netmq_example.envs.kinds import SceneHello, agreed
 from netmq_example.envs.observations import NOBODY, observations_of
 from netmq_example.envs.remote import GONE, Remote, refused_reset, scene_infos
-from netmq_example.envs.rendering import MODES, Rendered, check_words
+from netmq_example.envs.rendering import MODES, Rendered
 from netmq_example.errors import Lost
 from netmq_example.messages import LIMIT, MessageError
-from netmq_example.wire.records import (
-    ABSENT,
-    AUTORESET,
-    ENDED,
-    NOTHING,
-    RESET,
-    SEEN,
-    STEP,
-    TERMINATED,
-    TRUNCATED,
-    Record,
-    Section,
-)
+from netmq_example.wire import records
+from netmq_example.wire.records import Record, Section
 from netmq_example.wire.space_bytes import codec_of
 
 
 def some(mask: Any) -> Any:
     """The mask, or None if it is nobody's."""
     return mask if mask is not None and mask.any() else None
+
+
+def rewards_of(section: Section) -> Any:
+    rewards = np.frombuffer(section.numbers, np.float64).copy()
+    if not math.isfinite(rewards.sum()):
+        raise MessageError("bad-reward", f"the rewards are {rewards!s:.80}")
+    return rewards
 
 
 class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
@@ -84,7 +80,7 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
         real_time: bool = False,
         **where: Any,
     ) -> None:
-        check_words(render_mode, views, render_fps)
+        self.show(render_mode, views, render_fps, view_endpoint)
         check_space(observation_space, "observation")
         check_space(action_space, "action")
         self.num_envs = check.count("num_envs", num_envs)
@@ -95,11 +91,10 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
             raise ValueError(f"autoreset_mode takes one of {modes}, not {autoreset_mode!r:.40}")
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.observation_mode = "same"
-        self.render_fps = render_fps
         unlimited = max_episode_steps is None or max_episode_steps == -1
         limit = 0 if unlimited else check.count("max_episode_steps", max_episode_steps)
         self.episodes = Episodes(self.num_envs, limit)
-        self.kind: Kind | None = None
+        self.kind: Any = None
         self.begun = False
         # The agents whose episode is over, and those that are away; None, if there are none.
         self.over: Any = None
@@ -110,10 +105,7 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
         self.infos = Infos(self.num_envs)
         # Infos of episodes that have ended, while others have begun in the same step.
         self.final_infos: dict[int, dict[str, Any]] = {}
-        self.remote = Remote(env_name, self.use, file_name, real_time, **where)
-        self.simulators = self.remote.simulators
-        self.show(self.remote, render_mode, views, view_endpoint)
-        self.close_once = self.started(self.remote)
+        self.find(Remote(env_name, self.use, file_name, real_time, **where))
         self.closed = False
 
     def use(self, scene: SceneHello) -> None:
@@ -141,8 +133,8 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
         self.actions = Actions(self.single_action_space, kind, checks=self.simulators.fleet)
         fps = self.render_fps or scene.frames_per_second(kind)
         self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode, "render_fps": fps}
-        self.everybody = bytes([STEP]) * self.num_envs
-        self.all_seen = bytes([SEEN]) * self.num_envs
+        self.everybody = bytes([records.STEP]) * self.num_envs
+        self.all_seen = bytes([records.SEEN]) * self.num_envs
         self.zeros = bytes(8 * self.num_envs)
         self.kind = kind
 
@@ -163,7 +155,6 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
 
     def begin(self, mask: Any, options: dict[str, Any]) -> Any:
         """Observations. In another simulator all begin anew: those not asked to are lost."""
-        kind: Any = self.kind
         new = mask
         why = ""
 
@@ -172,8 +163,8 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
             if lost:
                 new = np.ones(self.num_envs, bool)
                 why = str(lost)
-            marks = np.where(new, RESET, NOTHING).astype(np.uint8).tobytes()
-            return [Section(kind.at, (self.episodes.next + kind.first).tobytes(), marks)]
+            marks = np.where(new, records.RESET, records.NOTHING).astype(np.uint8).tobytes()
+            return [Section(self.kind.at, (self.episodes.next + self.kind.first).tobytes(), marks)]
 
         answer = self.remote.begin(sections, options)
         self.episodes.begun(np.flatnonzero(new))
@@ -189,13 +180,15 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
     def read(self, answer: Record, again: Any) -> tuple[Section, Any]:
         """The section of what is now, and one of those that have ended, or None."""
         now = answer.sections[0]
-        ended = next((one for one in answer.sections[1:] if one.columns & ENDED), None)
+        ended = next((one for one in answer.sections[1:] if one.columns & records.ENDED), None)
         begins: Any = NOBODY if again is None else set(np.flatnonzero(again).tolist())
         if ended:
             begins = {*begins, *ended.whose()}
         everyone = {"env": scene_infos(answer.said)} if answer.said else None
         self.infos = Infos(self.num_envs, now, everyone)
-        self.gone = None if now.marks == self.all_seen else some(np.frombuffer(now.marks, np.uint8) & ABSENT > 0)
+        self.gone = (
+            None if now.marks == self.all_seen else some(np.frombuffer(now.marks, np.uint8) & records.ABSENT > 0)
+        )
         if self.gone is not None:
             for agent in np.flatnonzero(self.gone):
                 self.infos.add(int(agent), {"lost": GONE})
@@ -228,10 +221,10 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
 
     def ask_step(self, actions: Any, again: Any) -> Record:
         """One step of all agents. Those of `again` are reset in place of it."""
-        kind: Any = self.kind
+        kind = self.kind
         marks, steps = self.episodes.orders(again, self.gone)
         self.stepping = steps
-        bits = AUTORESET if self.autoreset_mode == AutoresetMode.SAME_STEP else 0
+        bits = records.AUTORESET if self.autoreset_mode == AutoresetMode.SAME_STEP else 0
         numbers = self.zeros
         if bits or steps is not None:
             numbers = (self.episodes.next + kind.first).tobytes()
@@ -250,18 +243,17 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
 
     def results(self, answer: Record, again: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
         quiet = answer.sections[0].marks == self.all_seen and len(answer.sections) == 1
-        may_end = not quiet or self.episodes.may_be_up
+        up = self.episodes.up()
+        may_end = not quiet or up is not None
         before = self.seen.batch() if self.autoreset_mode == AutoresetMode.SAME_STEP and may_end else None
         now, ended = self.read(answer, again)
-        rewards = np.frombuffer(now.numbers, np.float64).copy()
-        if not math.isfinite(rewards.sum()):
-            raise MessageError("bad-reward", f"the rewards are {rewards!s:.80}")
+        rewards = rewards_of(now)
         if quiet:
             terminated, truncated = np.zeros(self.num_envs, bool), np.zeros(self.num_envs, bool)
         else:
             marks = np.frombuffer(now.marks, np.uint8)
-            terminated = marks & TERMINATED > 0
-            truncated = marks & TRUNCATED > 0
+            terminated = marks & records.TERMINATED > 0
+            truncated = marks & records.TRUNCATED > 0
         if self.gone is not None:
             # An agent that leaves is cut, once; one that is away has no rewards, and no episode that could end.
             rewards[self.away & self.gone] = 0
@@ -269,11 +261,10 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
             truncated = (truncated | (self.gone & ~terminated)) & ~self.away
         self.away = np.zeros(self.num_envs, bool) if self.gone is None else self.gone
         seen = self.seen.batch()
-        up = self.episodes.up() if self.episodes.may_be_up else None
         if up is not None:
             truncated |= up & (True if self.gone is None else ~self.gone)
         if ended is not None:
-            self.end(ended, rewards, terminated, truncated)
+            self.end(ended, rewards, terminated, truncated, up)
         self.over = None if quiet and up is None else some(terminated | truncated)
         infos = self.infos.gathered()
         if self.autoreset_mode == AutoresetMode.SAME_STEP and self.over is not None:
@@ -281,21 +272,19 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
             self.over = None
         return seen, rewards, terminated, truncated, infos
 
-    def end(self, ended: Section, rewards: Any, terminated: Any, truncated: Any) -> None:
+    def end(self, ended: Section, rewards: Any, terminated: Any, truncated: Any, up: Any) -> None:
         """Those that have ended, and begun anew."""
-        kind: Any = self.kind
         who = np.asarray(ended.whose())
         if len(who) and int(who.max()) >= self.num_envs:
             raise MessageError("bad-record", f"agent {who.max()} of {self.num_envs} cannot have ended")
-        numbers = np.frombuffer(ended.numbers, np.float64)
-        if not np.isfinite(numbers.sum()):
-            raise MessageError("bad-reward", f"the rewards are {numbers!s:.80}")
-        rewards[who] = numbers
+        rewards[who] = rewards_of(ended)
         marks = np.frombuffer(ended.marks, np.uint8)
-        terminated[who] = marks & TERMINATED > 0
-        truncated[who] = (marks & TERMINATED == 0) | (marks & TRUNCATED > 0) | self.episodes.up()[who]
+        terminated[who] = marks & records.TERMINATED > 0
+        truncated[who] = (
+            (marks & records.TERMINATED == 0) | (marks & records.TRUNCATED > 0) | (up is not None and up[who])
+        )
         self.episodes.begun(who)
-        self.last = observations_of(self.single_observation_space, kind)
+        self.last = observations_of(self.single_observation_space, self.kind)
         self.last.take(ended)
         infos = Infos(self.num_envs, ended)
         self.final_infos = {agent: infos[agent] for agent in who.tolist()}
@@ -341,18 +330,13 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
         return seen, nothing, nothing > 0, nothing == 0, infos
 
     def own_picture(self, pictures: list[Any]) -> Any:
-        kind: Any = self.kind
-        return pictures[0] if len(pictures) == 1 else pictures[kind.first]
+        first = self.kind.first
+        return tuple(pictures[first : first + self.num_envs] if len(pictures) > 1 else pictures * self.num_envs)
 
     def render(self) -> Any:
         """A tuple with a picture of each agent, where they draw themselves; else what rendering.py says."""
-        kind: Any = self.kind
-        pictures = self.drawn() if self.render_mode == "rgb_array" else None
-        if pictures is None:
-            seen = super().render()
-            return (seen,) * self.num_envs if self.render_mode == "rgb_array" else seen
-        each = pictures[kind.first : kind.first + self.num_envs] if len(pictures) > 1 else pictures * self.num_envs
-        return tuple(each)
+        seen = super().render()
+        return (seen,) * self.num_envs if self.render_mode == "rgb_array" and type(seen) is not tuple else seen
 
     # As Gymnasium's own vector environments have them: one for each agent.
     np_random = property(lambda self: tuple(random for random, _ in self.episodes.randoms))
@@ -380,10 +364,8 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
             raise ValueError(f"{name} is the same for all agents, not {values!r:.80}")
         setattr(self, name, each[0])
 
-    def send_info(self, info: Any, agent: str = "") -> None:
-        """To an agent, or to the scene itself, which is ""."""
-        self.remote.send_info(info, agent)
+    # Gymnasium's own, which calls close_extras.
+    close = VectorEnv.close
 
     def close_extras(self, **kwargs: Any) -> None:
-        self.end_films()
-        self.close_once()
+        super().close()

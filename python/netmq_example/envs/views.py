@@ -5,13 +5,16 @@ It needs numpy and Pillow, and av for an MP4.
 
 import importlib
 import importlib.util
-from collections.abc import Mapping, Sequence
+import math
+import os
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from gymnasium import logger
 
-from netmq_example.envs.take import Take, film_writer
 from netmq_example.errors import Lost, Timeout
 from netmq_example.video.game import ENDPOINT, side
 
@@ -24,7 +27,11 @@ class Renderer:
     """The views of one environment. `views` are the names that its user gave."""
 
     def __init__(self, mode: str, views: Sequence[str], endpoint: str) -> None:
-        self.films = films_at(endpoint)
+        try:
+            # Lesson 12's, whose Pillow nobody needs who has no render_mode.
+            self.films: Any = importlib.import_module("netmq_example.video.films").Films(endpoint)
+        except ModuleNotFoundError as error:
+            raise ModuleNotFoundError(f"render_mode needs Pillow: pip install pillow ({error})") from None
         self.films.start()
         self.mode = mode
         self.views = list(dict.fromkeys(views))
@@ -79,13 +86,14 @@ class Renderer:
             return self.look(names)
         if self.mode == "rgb_array_list":
             return {name: self.takes[name].taken() for name in names}
-        files = {name: film_path(paths.get(name)) for name in names}
+        given = {name: paths[name] for name in names if paths.get(name) is not None}
+        files = {name: film_writer().film_path("video_paths", path) for name, path in given.items()}
         for name in names:
             if not self.takes[name].shapes:
                 raise ValueError(
                     f"no picture of view {name!r} is there: call begin_render before the steps to be filmed"
                 )
-        return {name: self.takes[name].film(files[name], fps) for name in names}
+        return {name: self.takes[name].film(files.get(name), fps) for name in names}
 
     def look(self, names: Sequence[str]) -> dict[str, Any]:
         """A new picture of each. A film goes on when the game is gone, with the picture before, and a line says so."""
@@ -126,7 +134,6 @@ class Renderer:
             raise Timeout(f"no view came to {at}: {cure}") from None
 
     def names(self, there: Mapping[str, Any]) -> dict[str, str]:
-        """The game's names of the views."""
         unknown = [name for name in self.views if name not in ("", *there)]
         if unknown:
             raise ValueError(f"there is no view {unknown[0]!r}; the game has: {', '.join(there)}")
@@ -147,13 +154,59 @@ class Renderer:
             take.file.close()
 
 
-def films_at(endpoint: str) -> Any:
-    """Lesson 12's, whose Pillow nobody needs who has no render_mode."""
-    try:
-        return importlib.import_module("netmq_example.video.films").Films(endpoint)
-    except ModuleNotFoundError as error:
-        raise ModuleNotFoundError(f"render_mode needs Pillow: pip install pillow ({error})") from None
+class Take:
+    """The pictures of a view, in a file without a name: those of a long film would fill the memory."""
+
+    def __init__(self) -> None:
+        self.file = tempfile.TemporaryFile()  # noqa: SIM115, close does it.
+        self.shapes: list[tuple[int, ...]] = []
+
+    def add(self, pixels: Any) -> None:
+        self.file.seek(0, os.SEEK_END)
+        self.file.write(pixels.tobytes())
+        self.shapes.append(pixels.shape)
+
+    def pictures(self) -> Iterator[Any]:
+        self.file.seek(0)
+        for shape in self.shapes:
+            yield np.frombuffer(self.file.read(math.prod(shape)), np.uint8).reshape(shape).copy()
+
+    def taken(self) -> list[Any]:
+        """Each picture is given once, as Gymnasium has it."""
+        pictures = list(self.pictures())
+        self.clear()
+        return pictures
+
+    def film(self, path: Path | None, fps: float) -> Any:
+        """The whole path of the file, or without a path its bytes. OSError: av is missing."""
+        if not path:
+            with tempfile.TemporaryDirectory() as folder:
+                made = Path(folder) / f"film{film_writer().usual_ending()}"
+                self.write(made, fps)
+                return made.read_bytes()
+        # Beside what it replaces, and so on the same disk: a film that fails leaves what was there under its name.
+        made = path.with_name(f".{os.getpid()}-{path.name}")
+        made.unlink(missing_ok=True)
+        try:
+            self.write(made, fps)
+            os.replace(made, path)
+        finally:
+            made.unlink(missing_ok=True)
+        return os.path.abspath(path)
+
+    def write(self, path: Path, fps: float) -> None:
+        film = film_writer().open_film(path, fps)
+        try:
+            for number, pixels in enumerate(self.pictures()):
+                film.add(pixels, number / fps)
+        finally:
+            film.close(len(self.shapes) / fps)
+
+    def clear(self) -> None:
+        self.file.truncate(0)
+        self.shapes = []
 
 
-def film_path(path: Any) -> Path | None:
-    return None if path is None else film_writer().film_path("video_paths", path)
+def film_writer() -> Any:
+    """Lesson 12's, whose Pillow nobody needs who makes no film."""
+    return importlib.import_module("netmq_example.video.film_writer")

@@ -13,9 +13,5 @@ __all__ = ["FleetSimulator", "FleetSocket", "Hub"]
 
 # Hidden from a type checker, to which any name would exist.
 if not TYPE_CHECKING:
-    ROOMS = {
-        "hub": "Hub",
-        "simulator": "FleetSimulator",
-        "trainer": "FleetSocket",
-    }
+    ROOMS = {"hub": "Hub", "simulator": "FleetSimulator", "trainer": "FleetSocket"}
     __getattr__, __dir__ = door(__name__, ROOMS)

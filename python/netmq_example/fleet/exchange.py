@@ -121,7 +121,7 @@ class Exchange:
         if not (section.columns or section.table or request.exchange is not None or request.said):
             return plain_parts(section)
         parts = {}
-        for area, piece in enumerate(pieces.cut(section, ASKS)):
+        for area, piece in enumerate(pieces.cut(section)):
             order = piece.marks[0]
             if order or request.exchange:
                 said = request.said if order == RESET else b""
@@ -140,15 +140,12 @@ class Exchange:
         """The second request to one of several scenes: a reset that the trainer has left to the simulator."""
         if area in self.ended or not self.autoreset or self.areas == 1:
             return None
-        mark, order = answer.sections[0].marks[0], self.request.sections[0].marks[area]
+        (section,) = self.request.sections
+        mark, order = answer.sections[0].marks[0], section.marks[area]
         if order not in (STEP, LAST) or not (mark & OVER and mark & SEEN):
             return None
         self.ended[area] = answer
-        return self.reset([self.section_of(area)])
-
-    def section_of(self, area: int) -> Section:
-        (section,) = self.request.sections
-        return Section(section.kind, section.numbers[8 * area : 8 * area + 8], bytes((RESET,)))
+        return self.reset([Section(section.kind, section.numbers[8 * area : 8 * area + 8], bytes((RESET,)))])
 
     def anew(self, answer: Record) -> Part | None:
         """How the episode of a single scene can be begun where all of them have just begun anew."""

@@ -83,7 +83,6 @@ class Hub:
         self.ticked = 0.0
 
     def take(self, peer: bytes, frames: list[Any]) -> None:
-        """Take in a message of this peer."""
         try:
             member = self.members.get(peer)
             message: Any = records.read_frames(records.ANSWERS if member else records.ASKS, frames)

@@ -13,6 +13,7 @@ compute alike, which is why the hub takes those of one build only.
 
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from netmq_example.fleet import pieces
@@ -34,16 +35,16 @@ ID = slice(8, 16)
 WORDS = {"render": "picture", "info": "told"}
 
 
+@dataclass(slots=True, eq=False)
 class Part:
-    """One simulator's part of a request, as bytes: these are kept, and none of the others'."""
+    """One simulator's part of a request, as bytes: these are kept, and none of the others'.
 
-    __slots__ = ("begins", "frame", "rows")
+    `rows` are the kinds that are asked, and how many of each; `begins` says that an episode does.
+    """
 
-    def __init__(self, frame: bytes, rows: Sequence[tuple[int, int]], begins: bool) -> None:
-        """`rows` are the kinds that are asked, and how many of each; `begins` says that an episode does."""
-        self.frame = frame
-        self.rows = rows
-        self.begins = begins
+    frame: bytes
+    rows: Sequence[tuple[int, int]]
+    begins: bool
 
     def frames(self, id: int) -> list[bytes]:
         return [b"".join((self.frame[: ID.start], id.to_bytes(8, "little"), self.frame[ID.stop :]))]

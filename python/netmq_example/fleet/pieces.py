@@ -1,6 +1,6 @@
 """Rows of records and parts of values, cut and joined as bytes: what they mean, the hub does not need to know.
 
-    one, other = cut(section, ANSWERS)              a section of one row for each row
+    one, other = cut(section)                       a section of one row for each row
     section = join(0, [one, other])                 the way back, of the answers of several simulators
     value = taken(data)                             dicts and lists, and their leaves as they are
     data = given({**value, "env": other})           the way back
@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 from netmq_example.json_text import shallow
 from netmq_example.messages import DECODER, DTYPES, ENCODER, MessageError
-from netmq_example.wire.records import ENDED, FORM, SEEN, SIZE, SIZES, WHO, Section, with_infos
+from netmq_example.wire.records import ASKS, ENDED, FORM, SEEN, SIZE, SIZES, WHO, Section, with_infos
 
 # How many bytes a number has. Arrays are float32[2,3].
 NUMBERS = {"null": 0, "bool": 1, "int64": 8, "float64": 8}
@@ -27,13 +27,12 @@ class Leaf(NamedTuple):
     data: bytes
 
 
-def cut(section: Section, kind: int) -> list[Section]:
-    """`kind` is that of the record."""
+def cut(section: Section) -> list[Section]:
     if len(section.marks) == 1:
         return [section]
     infos = dict(section.each_info())
     pieces = []
-    for at, row in enumerate(section.rows(kind)):
+    for at, row in enumerate(section.rows(ASKS)):
         number = section.numbers[8 * at : 8 * at + 8]
         piece = Section(section.kind, number, section.marks[at : at + 1], values=b"" if row is None else row)
         if row is not None and section.columns:
@@ -111,7 +110,6 @@ def parts(form: Any, data: bytes, at: int) -> tuple[Any, int]:
 
 
 def given(value: Any) -> bytes:
-    """A value of leaves as bytes."""
     numbers: list[bytes] = []
     form = ENCODER.encode(form_of(value, numbers)).encode()
     return b"".join([SIZE.pack(len(form)), form, *numbers])

@@ -9,8 +9,7 @@ build only; write another one wherever yours computes differently.
 
 from netmq_example import check
 from netmq_example.messages import Message
-from netmq_example.scene.decorator import SimulatorDecorator
-from netmq_example.scene.simulator import SimulatorBase
+from netmq_example.scene.simulator import SimulatorBase, SimulatorDecorator
 
 
 class FleetSimulator(SimulatorDecorator):

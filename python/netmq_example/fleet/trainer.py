@@ -77,7 +77,9 @@ class FleetSocket(OneProcess, OtherSide):
                 # The environment has no use for it, and to answer it would be taken for a request.
                 if self.waits:
                     self.sent = time.monotonic()
-                    self.report_missing(message)
+                    here, taken = (take(message.values, key, int) for key in ("simulators", "taken"))
+                    there = f"the hub has {here} simulators of '{self.name}', of which {taken} are taken"
+                    self.report(f"{there}: {self.areas} are needed")
                 else:
                     self.report_lost(take({"missing": 0} | message.values, "missing", int))
                 raise zmq.Again
@@ -93,14 +95,6 @@ class FleetSocket(OneProcess, OtherSide):
         except zmq.Again:
             # There is no connection: to the environment, a peer that is gone.
             raise zmq.ZMQError(zmq.EHOSTUNREACH) from None
-
-    def report_missing(self, alive: Message) -> None:
-        """What is missing, whenever that has changed."""
-        here = take(alive.values, "simulators", int)
-        taken = take(alive.values, "taken", int)
-        self.report(
-            f"the hub has {here} simulators of '{self.name}', of which {taken} are taken: {self.areas} are needed"
-        )
 
     def report_lost(self, missing: int) -> None:
         """Which episodes wait for a simulator, in place of one that was lost: whenever there are more or fewer."""

@@ -106,7 +106,6 @@ class Trainer:
         self.episodes[area] = Episode(part, partial(self.ready, area))
 
     def words(self, request: Message) -> dict[int, Any]:
-        """Requests in words, of each area."""
         if request.kind == "render" and not request.arrays:
             return dict.fromkeys(range(self.areas), Message("render"))
         if request.kind != "info":

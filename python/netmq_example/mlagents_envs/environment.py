@@ -13,7 +13,7 @@ Box, Discrete or MultiDiscrete, its observation one array, or a Dict of arrays. 
 
 import contextlib
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from netmq_example.extras import without
@@ -57,14 +57,14 @@ __all__ = ["UnityEnvironment"]
 class OneAgent(UnityGymEnv):
     """An environment that takes any simulator's name."""
 
-    def started(self, remote: Remote) -> Callable[[], object]:
+    def find(self, remote: Remote) -> None:
         def accept(hello: Message) -> None:
             remote.name = take(hello.values, "name", str)
             Remote.accept(remote, hello)
 
         # Also for the simulators that come after the first one.
         vars(remote)["accept"] = accept
-        return super().started(remote)
+        super().find(remote)
 
 
 class UnityEnvironment:

@@ -14,10 +14,9 @@ from netmq_example.doors import door
 if TYPE_CHECKING:
     from netmq_example.scene.agent import Agent, Obs
     from netmq_example.scene.client import EnvironmentClient, run
-    from netmq_example.scene.decorator import SimulatorDecorator
     from netmq_example.scene.scene import Scene
     from netmq_example.scene.side_channels import SideChannelSimulator
-    from netmq_example.scene.simulator import SceneSimulator, SimulatorBase
+    from netmq_example.scene.simulator import SceneSimulator, SimulatorBase, SimulatorDecorator
 
 __all__ = [
     "Agent",
@@ -36,10 +35,9 @@ if not TYPE_CHECKING:
     ROOMS = {
         "agent": "Agent Obs",
         "client": "EnvironmentClient run",
-        "decorator": "SimulatorDecorator",
         "scene": "Scene",
         "side_channels": "SideChannelSimulator",
-        "simulator": "SceneSimulator SimulatorBase",
+        "simulator": "SceneSimulator SimulatorBase SimulatorDecorator",
     }
     load, __dir__ = door(__name__, ROOMS)
     # Classes of 0.3 in their place, from which nobody can derive any more.

@@ -14,7 +14,6 @@ class Seen:
     locator: Locator
 
     def named(self) -> set[str]:
-        """The agents that it names."""
         return {name for one in self.locator.mappings if not one.everyone for name in one.agents}
 
     def text_for(self, name: str) -> str:

@@ -56,21 +56,13 @@ class EnvironmentClient:
 
     @positional("endpoint", "timeout", "report", "prepare")
     def __init__(
-        self,
-        endpoint: str,
-        *,
-        timeout: float = 30.0,
-        prepare: Callable[[zmq.Socket[bytes]], object] | None = None,
+        self, endpoint: str, *, timeout: float = 30.0, prepare: Callable[[zmq.Socket[bytes]], object] | None = None
     ) -> None:
         self.endpoint = check.endpoint(endpoint, ENDPOINT, beacon=True)
         self.search = BeaconSearch(endpoint)
         self.timeout = check.seconds("timeout", timeout)
         self.report = log.warning
         self.prepare = None if prepare is None else arguments.function("prepare", prepare)
-        # When it last was in an environment, why it is in none since then, and after how many tries in vain.
-        self.heard = 0.0
-        self.why = NO_CONNECTION
-        self.tries = 0
 
     def run(self, simulator: SimulatorBase, count: int = 0) -> None:
         """Until it is closed, or asked for more than `count` episodes; 0 is no limit.
@@ -80,6 +72,7 @@ class EnvironmentClient:
         check.instance("simulator", simulator, SimulatorBase)
         check.count("count", count, least=0)
         watch_launcher()
+        # When it last was in an environment, why it is in none since then, and after how many tries in vain.
         self.heard = time.monotonic()
         self.why = NO_CONNECTION
         self.tries = 0

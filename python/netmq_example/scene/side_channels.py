@@ -11,8 +11,7 @@ envs/side_channels.py is the training's end, and records.py says where the excha
 from netmq_example import check
 from netmq_example.messages import Message
 from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
-from netmq_example.scene.decorator import SimulatorDecorator
-from netmq_example.scene.simulator import SimulatorBase
+from netmq_example.scene.simulator import SimulatorBase, SimulatorDecorator
 from netmq_example.wire.records import Record
 
 

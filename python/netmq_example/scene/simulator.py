@@ -13,7 +13,7 @@ It says `hello` with the scene's kinds of agents and their spaces; then it answe
     observe of all that were asked
 
 A request that comes again, because its answer was late or lost, gets the answer that was kept. In C# they are
-Simulator.cs and SceneSimulator.cs.
+SimulatorBase.cs and SceneSimulator.cs.
 """
 
 import logging
@@ -81,6 +81,26 @@ class SimulatorBase(ABC):
     @abstractmethod
     def say(self, request: Message) -> Message:
         """Answer what is asked in words, such as render."""
+
+
+class SimulatorDecorator(SimulatorBase):
+    """Around any simulator: a class of its own changes the hello, or the resets and steps."""
+
+    def __init__(self, simulator: SimulatorBase) -> None:
+        super().__init__(check.instance("simulator", simulator, SimulatorBase).name)
+        self.simulator = simulator
+
+    def describe(self) -> Message:
+        return self.simulator.describe()
+
+    def say(self, request: Message) -> Message:
+        return self.simulator.say(request)
+
+    def do(self, request: Record) -> Record:
+        state = self.simulator.do(request)
+        self.episodes = self.simulator.episodes
+        self.steps = self.simulator.steps
+        return state
 
 
 class SceneSimulator(SimulatorBase):

@@ -149,15 +149,13 @@ class Steps:
         assert agent is not None
         kind.fresh.discard(row)
         kind.begun[row] = True
-        if row not in one.again:
-            one.new.add(row)
-            begin(agent, draws((self.seed + kind.first + row) & MASK), {}, [])
-        elif one.orders[row] == RESET:
+        rng = draws(one.seeds[row] if row in one.again else (self.seed + kind.first + row) & MASK)
+        if one.orders[row] == RESET:
             options = options_in(self.said)
-            begin(agent, draws(one.seeds[row]), options, state_in(options, kind.state_size))
+            begin(agent, rng, options, state_in(options, kind.state_size))
         else:
             one.new.add(row)
-            begin(agent, draws(one.seeds[row]), {}, [])
+            begin(agent, rng, {}, [])
         return agent
 
 

@@ -40,6 +40,7 @@ In C# it is Records.cs. MessageError says what is wrong with what a peer sent. I
 import math
 import struct
 from collections.abc import Iterator, Sequence
+from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
 from netmq_example import messages
@@ -63,42 +64,24 @@ WITHOUT_VALUES = {
 MOST_MARK = {ASKS: LAST, ANSWERS: 2 * SEEN - 1}
 
 
+@dataclass(slots=True, eq=False)
 class Section:
     """The rows of one kind. All parts are bytes, as they stand in a frame; `infos` are the pairs and then the infos."""
 
-    __slots__ = ("columns", "form", "groups", "ids", "infos", "kind", "marks", "masks", "numbers", "sizes", "table",
-                 "values", "who")  # fmt: skip
-
-    def __init__(
-        self,
-        kind: int,
-        numbers: Any,
-        marks: bytes,
-        *,
-        values: Any = b"",
-        columns: int = 0,
-        who: Any = b"",
-        ids: Any = b"",
-        groups: Any = b"",
-        masks: Any = b"",
-        sizes: Any = b"",
-        form: bytes = b"",
-        table: Any = b"",
-        infos: Any = b"",
-    ) -> None:
-        self.kind = kind
-        self.numbers = numbers
-        self.marks = marks
-        self.values = values
-        self.columns = columns
-        self.who = who
-        self.ids = ids
-        self.groups = groups
-        self.masks = masks
-        self.sizes = sizes
-        self.form = form
-        self.table = table
-        self.infos = infos
+    kind: int
+    numbers: Any
+    marks: bytes
+    _: KW_ONLY
+    values: Any = b""
+    columns: int = 0
+    who: Any = b""
+    ids: Any = b""
+    groups: Any = b""
+    masks: Any = b""
+    sizes: Any = b""
+    form: bytes = b""
+    table: Any = b""
+    infos: Any = b""
 
     def parts(self) -> list[Any]:
         count = len(self.marks)
@@ -164,20 +147,16 @@ def with_sizes(section: Section, rows: Sequence[bytes]) -> Section:
     return section
 
 
+@dataclass(slots=True, eq=False)
 class Record:
     """`said` are the options of a request, or the scene's infos of an answer; without an exchange that is None."""
 
-    __slots__ = ("bits", "exchange", "id", "kind", "said", "sections")
-
-    def __init__(
-        self, kind: int, id: int, sections: list[Section], bits: int = 0, said: Any = b"", exchange: Any = None
-    ) -> None:
-        self.kind = kind
-        self.id = id
-        self.sections = sections
-        self.bits = bits
-        self.said = said
-        self.exchange = exchange
+    kind: int
+    id: int
+    sections: list[Section]
+    bits: int = 0
+    said: Any = b""
+    exchange: Any = None
 
     def frame(self) -> bytes:
         said = self.said
@@ -197,7 +176,6 @@ class Record:
         return [self.frame()]
 
     def has(self, order: int) -> bool:
-        """Whether any row has this order."""
         return any(order in section.marks for section in self.sections)
 
 
@@ -268,21 +246,17 @@ def read_section(kind: int, view: memoryview, at: int, choices: Sequence[int]) -
     section.values = view[at : at + values]
     at += values + -values % 8
     # Columns have moved it.
-    if at + 8 * infos + info_bytes > size:
+    end = at + 8 * infos + info_bytes + -info_bytes % 8
+    if end > size:
         raise bad("it ends too early")
     if infos or info_bytes:
         section.table = view[at : at + 8 * infos]
         section.infos = view[at + 8 * infos : at + 8 * infos + info_bytes]
-        at += 8 * infos + info_bytes + -info_bytes % 8
-        if at > size:
-            raise bad("it ends too early")
         if sum(size for _, size in struct.iter_unpack("<II", section.table)) != info_bytes:
             raise bad("its infos have other sizes")
         if any(row >= count for row, _ in struct.iter_unpack("<II", section.table)):
             raise bad("an info is of no row")
-    if at > size:
-        raise bad("it ends too early")
-    return section, at
+    return section, end
 
 
 def read_columns(section: Section, view: memoryview, at: int, rows: int, choices: Sequence[int]) -> int:

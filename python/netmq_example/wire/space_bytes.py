@@ -9,7 +9,6 @@ In C# they are SpaceReader.cs and SpaceWriter.cs. It needs gymnasium and numpy.
 
 import struct
 from collections.abc import Mapping
-from collections.abc import Sequence as Items
 from typing import Any
 
 import numpy as np
@@ -53,24 +52,6 @@ class Bytes:
         if end != len(view):
             raise MessageError("not-in-space", f"{len(view)} bytes are not in {self.space}, which has {end}")
         return value
-
-    def write_all(self, count: int, values: Any) -> list[bytes]:
-        """Rows of so many, which are together as Gymnasium batches them."""
-        if self.size is None:
-            return [self.write(value) for value in iterate(batch_space(self.space, count), values)]
-        if self.size == 0:
-            return [b""] * count
-        blocks: list[Any] = []
-        self.codec.write_block(count, values, blocks)
-        data = np.concatenate(blocks, axis=1).tobytes()
-        return [data[at : at + self.size] for at in range(0, len(data), self.size)]
-
-    def read_all(self, rows: Items[Any]) -> Any:
-        """Together, as Gymnasium batches them."""
-        if self.size is None or any(len(row) != self.size for row in rows):
-            return together(self.space, [self.read(row) for row in rows])
-        block = np.frombuffer(b"".join(rows), np.uint8).reshape(len(rows), self.size)
-        return self.codec.read_block(block, 0)
 
 
 def together(space: spaces.Space[Any], values: list[Any]) -> Any:

@@ -29,7 +29,7 @@ import math
 import re
 import struct
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from gymnasium.spaces import GraphInstance
@@ -53,6 +53,7 @@ REASONS = (ValueError, LookupError, TypeError, struct.error)
 
 # Takes the numbers and where its own begin; returns the value and where the next one's begin.
 Reader = Callable[[Any, int], tuple[Any, int]]
+T = TypeVar("T")
 
 
 def write(value: Any) -> bytes:
@@ -181,20 +182,25 @@ def sized(data: bytes | bytearray) -> bytes:
     return SIZE.pack(len(data)) + data
 
 
+def kept(make: Callable[[bytes], T]) -> Callable[[bytes], T]:
+    """Called once for each form."""
+    cached = functools.lru_cache(MOST_KEPT)(make)
+
+    def found(form: bytes) -> T:
+        return (cached if len(form) <= LONGEST_KEPT else make)(form)
+
+    found.cache_info = cached.cache_info  # type: ignore[attr-defined]
+    return found
+
+
+@kept
 def reader_of(form: bytes) -> Reader:
-    return (kept_reader if len(form) <= LONGEST_KEPT else new_reader)(form)
-
-
-def new_reader(form: bytes) -> Reader:
     try:
         parsed = DECODER.decode(shallow(form.decode()))
         json.dumps(parsed, ensure_ascii=False).encode()
         return reader(parsed)
     except REASONS as error:
         raise bad(error) from None
-
-
-kept_reader = functools.lru_cache(MOST_KEPT)(new_reader)
 
 
 def reader(form: Any) -> Reader:
@@ -219,20 +225,9 @@ def reader(form: Any) -> Reader:
         case {"dict": dict(parts)} if len(form) == 1:
             keys = list(parts)
             each = [reader(part) for part in parts.values()]
-
-            def read_dict(numbers: Any, at: int) -> tuple[Any, int]:
-                values, at = in_turn(each, numbers, at)
-                return dict(zip(keys, values, strict=True)), at
-
-            return read_dict
-        case {"graph": [nodes, edges, links]} if len(form) == 1:
-            three = [reader(nodes), reader(edges), reader(links)]
-
-            def read_graph(numbers: Any, at: int) -> tuple[Any, int]:
-                values, at = in_turn(three, numbers, at)
-                return GraphInstance(*values), at
-
-            return read_graph
+            return made_of(each, lambda values: dict(zip(keys, values, strict=True)))
+        case {"graph": [_, _, _] as three} if len(form) == 1:
+            return made_of([reader(part) for part in three], GraphInstance._make)
         case {"image": "bytes"} if len(form) == 1:
             return read_image
     raise ValueError(f"{form!a:.40} is no form")
@@ -244,6 +239,14 @@ def in_turn(readers: list[Reader], numbers: Any, at: int) -> tuple[list[Any], in
         value, at = read_next(numbers, at)
         values.append(value)
     return values, at
+
+
+def made_of(readers: list[Reader], make: Callable[[list[Any]], Any]) -> Reader:
+    def read_parts(numbers: Any, at: int) -> tuple[Any, int]:
+        values, at = in_turn(readers, numbers, at)
+        return make(values), at
+
+    return read_parts
 
 
 def read_float(numbers: Any, at: int) -> tuple[float, int]:
