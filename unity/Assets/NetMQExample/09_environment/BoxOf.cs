@@ -13,45 +13,23 @@ namespace NetMQExample
     /// <summary>Makes arrays.</summary>
     public static class BoxOf
     {
-        // Those whose memory is already what a message has.
-        private static readonly Dictionary<Type, string> Same = new Dictionary<Type, string>
+        // Of each dtype the types whose memory it is already, those that it is wide enough for, and its names in C#,
+        // numpy and NumSharp.
+        private static readonly (string Dtype, Type[] Same, Type[] Narrower, string Aliases)[] Table =
         {
-            [typeof(byte)] = "uint8",
-            [typeof(bool)] = "uint8",
-            [typeof(ushort)] = "uint16",
-            [typeof(char)] = "uint16",
-            [typeof(int)] = "int32",
-            [typeof(long)] = "int64",
-            [typeof(float)] = "float32",
-            [typeof(double)] = "float64",
+            ("uint8", new[] { typeof(byte), typeof(bool) }, new Type[0], "bool ? b1 byte B u1"),
+            ("uint16", new[] { typeof(ushort), typeof(char) }, new Type[0], "ushort char u2"),
+            ("int32", new[] { typeof(int) }, new[] { typeof(sbyte), typeof(short) },
+                "sbyte short int8 int16 int i1 i2 i4"),
+            ("int64", new[] { typeof(long) }, new[] { typeof(uint), typeof(ulong) }, "uint uint32 u4 long i8"),
+            ("float32", new[] { typeof(float) }, new Type[0], "float single f4"),
+            ("float64", new[] { typeof(double) }, new[] { typeof(decimal) }, "double decimal f8"),
         };
 
-        private static readonly Dictionary<Type, string> Wider = new Dictionary<Type, string>
-        {
-            [typeof(sbyte)] = "int32",
-            [typeof(short)] = "int32",
-            [typeof(uint)] = "int64",
-            [typeof(ulong)] = "int64",
-            [typeof(decimal)] = "float64",
-        };
-
-        private static readonly Dictionary<string, Type> Types = Same
-            .Where(pair => pair.Key != typeof(bool) && pair.Key != typeof(char))
-            .ToDictionary(pair => pair.Value, pair => pair.Key);
-
-        // First the name in a message, and then those of C#, numpy and NumSharp.
-        private static readonly Dictionary<string, string> Aliases = new[]
-            {
-                "uint8 bool ? b1 byte B u1",
-                "uint16 ushort char u2",
-                "int32 sbyte short int8 int16 int i1 i2 i4",
-                "int64 uint uint32 u4 long i8",
-                "float32 float single f4",
-                "float64 double decimal f8",
-            }
-            .Select(line => line.Split(' '))
-            .SelectMany(names => names.Skip(1), (names, alias) => (Alias: alias, Name: names[0]))
-            .ToDictionary(pair => pair.Alias, pair => pair.Name);
+        private static readonly Dictionary<Type, string> Same = Of(row => row.Same), Wider = Of(row => row.Narrower);
+        private static readonly Dictionary<string, string> Aliases = Of(row => row.Aliases.Split(' '));
+        private static readonly Dictionary<string, Type> Types =
+            Table.ToDictionary(row => row.Dtype, row => row.Same[0]);
 
         /// <summary>Whether these items are nothing but numbers, by their type: float[], List&lt;int&gt;.</summary>
         public static bool IsNumbers(IEnumerable items)
@@ -82,6 +60,11 @@ namespace NetMQExample
             for (var i = 0; i < items.Length; i++) items.SetValue(Exactly(numbers[i], type), i);
             return Copy(dtype, items, shape);
         }
+
+        private static Dictionary<T, string> Of<T>(
+            Func<(string Dtype, Type[] Same, Type[] Narrower, string Aliases), IEnumerable<T>> items) =>
+            Table.SelectMany(items, (row, item) => (Item: item, row.Dtype))
+                .ToDictionary(pair => pair.Item, pair => pair.Dtype);
 
         // In front may stand the order of bytes, as numpy has it: it changes no number.
         private static string Named(string dtype)

@@ -119,10 +119,11 @@ namespace NetMQExample
         public static string Write(object value, FrameBuffer to)
         {
             value = Observed.Engine(value);
-            return value is float[] || value is double[] || value is int[] ? WriteBox(value, "", to)
-                : value is Enum ? WriteWhole(value, to)
-                // An array of numbers here, and not bytes.
-                : value is byte[] ? null : MessageTree.AddSimple(to, value);
+            if (value is Enum) return WriteWhole(value, to);
+            if (value is float[] || value is double[] || value is int[]) return WriteBox(value, "", to);
+            // An array of numbers here, and no bytes.
+            if (value is byte[]) return null;
+            return MessageTree.AddSimple(to, value);
         }
 
         /// <summary>A value of [Discrete].</summary>

@@ -23,7 +23,7 @@ namespace NetMQExample
         /// <summary>The recorder of the scene for Python's statistics.</summary>
         public StatsRecorder StatsRecorder { get; } = new StatsRecorder();
 
-        /// <summary>Registers its channels, unless they are. What Python wants of the engine is then applied.</summary>
+        /// <summary>Registers its channels, unless they are. Python's wishes for the engine are applied.</summary>
         public void Begin(Action<ConfigurationType, double[]> apply)
         {
             if (engine != null) return;
