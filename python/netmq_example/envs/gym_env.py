@@ -47,8 +47,9 @@ REWARD = struct.Struct("<d")
 class UnityGymEnv(MadeAnew, Rendered, gymnasium.Env[Any, Any]):
     """`where` is what Simulators takes: endpoint, launch, wait, timeout, context, fleet.
 
-    `agent_name` is needed where the scene has several agents. Pictures and films, and what `views`, `render_fps` and
-    `view_endpoint` are for, are in rendering.py.
+    `agent_name` is needed where the scene has several agents. With `real_time` the world goes on while Python thinks,
+    and a step waits for its tick. Pictures and films, and what `views`, `render_fps` and `view_endpoint` are for, are
+    in rendering.py.
     """
 
     metadata: dict[str, Any] = {"render_modes": MODES, "render_fps": 50}  # noqa: RUF012, Gymnasium's own way.
@@ -64,6 +65,7 @@ class UnityGymEnv(MadeAnew, Rendered, gymnasium.Env[Any, Any]):
         views: Sequence[str] = ("",),
         render_fps: float | None = None,
         view_endpoint: str = "",
+        real_time: bool = False,
         **where: Any,
     ) -> None:
         self.show(render_mode, views, render_fps, view_endpoint)
@@ -74,7 +76,7 @@ class UnityGymEnv(MadeAnew, Rendered, gymnasium.Env[Any, Any]):
         self.kind: Any = None
         # Whether an episode is under way.
         self.begun = False
-        self.find(Remote(env_name, self.use, file_name, **where))
+        self.find(Remote(env_name, self.use, file_name, real_time, **where))
 
     def use(self, scene: SceneHello) -> None:
         if self.kind:

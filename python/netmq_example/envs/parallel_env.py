@@ -141,7 +141,7 @@ class UnityParallelEnv(MadeAnew, Rendered, ParallelEnv):  # type: ignore[misc, u
         """Observations, rewards, terminations, truncations and infos, also of those that end with this step."""
         if not isinstance(actions, dict) or not {*self.agents} <= actions.keys() <= {*self.possible_agents}:
             raise ValueError(f"actions {actions!r:.200}, but those that live are {self.agents}")
-        if not self.begun:
+        if not self.begun or self.remote.interrupted:
             raise gymnasium.error.ResetNeeded("no episode is under way: call reset before step")
         if not self.agents:
             # Wrappers step once more when all are over; PettingZoo's own environments have nothing to say then.

@@ -56,7 +56,7 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
     """The agents of one kind. `where` is what Simulators takes: endpoint, launch, wait, timeout, context, fleet.
 
     `agent_name` is the name of the kind, which is needed where the scene has several. With `real_time` the world goes
-    on while Python thinks.
+    on while Python thinks, and a step waits for its tick.
     """
 
     metadata: dict[str, Any] = {"render_modes": MODES}  # noqa: RUF012, Gymnasium's own way.
@@ -143,8 +143,8 @@ class UnityVectorEnv(MadeAnew, Rendered, VectorEnv[Any, Any, Any]):
         mask = np.asarray(options.pop("reset_mask", np.ones(self.num_envs, bool)))
         if mask.shape != (self.num_envs,) or mask.dtype != bool or not mask.any():
             raise ValueError(f"reset_mask must be {self.num_envs} times true or false, one of them true: {mask!r:.80}")
-        if not self.begun and not mask.all():
-            raise gymnasium.error.ResetNeeded("the first reset is one of all: leave reset_mask out")
+        if (not self.begun or self.remote.interrupted) and not mask.all():
+            raise gymnasium.error.ResetNeeded("no episode is under way: leave reset_mask out, and all begin")
         self.episodes.plant(seed, mask)
         with refused_reset(self):
             seen = self.begin(mask, options)
