@@ -189,7 +189,7 @@ class Inside(threading.Thread):
 
     def __init__(self, simulator, answer=None, hello=None):
         super().__init__(daemon=True)
-        from netmq_example.envs.connection import FREE_PORT, bound
+        from netmq_example.envs.simulators import FREE_PORT, bound
 
         self.simulator, self.hello, self.asked = simulator, hello, []
         self.answer = answer or (lambda request: [simulator.answer(request)])

@@ -9,7 +9,8 @@ import zmq
 from netmq_example.fleet import hub, members, pieces, trainers
 from netmq_example.messages import Array, Message
 from netmq_example.wire import records
-from netmq_example.wire.records import ANSWERS, ASKS, RESET, SEEN, STEP, Record, Section, rewards
+from netmq_example.wire.records import ANSWERS, ASKS, RESET, SEEN, STEP, Record, Section
+from netmq_example.wire.sections import rewards
 
 
 def asks(*orders, size=8, id=0):

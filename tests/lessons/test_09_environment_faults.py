@@ -26,7 +26,7 @@ from gymnasium.spaces import Dict, Discrete  # noqa: E402
 KEY, ID = "09_environment", "NetMQExample/CartPole-v0"
 LESSON = ROOT / "python" / KEY
 from netmq_example.envs import UnityGymEnv  # noqa: E402
-from netmq_example.envs.connection import bound  # noqa: E402
+from netmq_example.envs.simulators import bound  # noqa: E402
 from netmq_example.messages import Array, Message, MessageError  # noqa: E402
 from netmq_example.scene import EnvironmentClient  # noqa: E402
 from netmq_example.wire import trees  # noqa: E402
@@ -41,11 +41,8 @@ from netmq_example.wire.records import (  # noqa: E402
     Record,
     Section,
     read_frames,
-    rewards,
-    seeds,
-    with_infos,
-    with_sizes,
 )
+from netmq_example.wire.sections import rewards, seeds, with_infos, with_sizes  # noqa: E402
 from netmq_example.wire.space_bytes import Bytes  # noqa: E402
 from netmq_example.wire.spaces import described  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402

@@ -21,10 +21,12 @@ np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: kit.py run 9 in
 KEY = "09_environment"
 LESSON = ROOT / "python" / KEY
 from netmq_example.envs import UnityGymEnv  # noqa: E402
-from netmq_example.envs.connection import Simulators, name_of  # noqa: E402
+from netmq_example.envs.connection import name_of  # noqa: E402
+from netmq_example.envs.simulators import Simulators  # noqa: E402
 from netmq_example.scene import Scene, SceneSimulator  # noqa: E402
 from netmq_example.wire import trees  # noqa: E402
-from netmq_example.wire.records import Record, seeds  # noqa: E402
+from netmq_example.wire.records import Record  # noqa: E402
+from netmq_example.wire.sections import seeds  # noqa: E402
 from netmq_example.wire.split_mix import draws  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 from tests.lessons.conftest import simulated  # noqa: E402

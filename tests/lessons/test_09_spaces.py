@@ -58,9 +58,8 @@ from netmq_example.wire.records import (  # noqa: E402
     Record,
     Section,
     read,
-    rewards_in,
-    seeds,
 )
+from netmq_example.wire.sections import rewards_in, seeds  # noqa: E402
 from netmq_example.wire.space_bytes import Bytes  # noqa: E402
 from netmq_example.wire.spaces import described, misfit, space_of  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402

@@ -45,9 +45,8 @@ from netmq_example.wire.records import (  # noqa: E402
     Record,
     Section,
     read_frames,
-    rewards_in,
-    seeds,
 )
+from netmq_example.wire.sections import rewards_in, seeds  # noqa: E402
 from netmq_example.worlds.pursuit import Pursuit  # noqa: E402
 from tests.lessons.office import VALUES, office  # noqa: E402
 from tests.lessons.vectors import play  # noqa: E402

@@ -15,25 +15,15 @@ from gymnasium.spaces import Box  # noqa: E402
 
 from netmq_example import envs, scene  # noqa: E402
 from netmq_example.envs import UnityAECEnv, UnityGymEnv, UnityParallelEnv, UnityVectorEnv  # noqa: E402
-from netmq_example.envs.connection import Connection, Simulators  # noqa: E402
+from netmq_example.envs.connection import Connection  # noqa: E402
 from netmq_example.envs.remote import LONGEST_INFO  # noqa: E402
+from netmq_example.envs.simulators import Simulators  # noqa: E402
 from netmq_example.errors import Lost  # noqa: E402
 from netmq_example.messages import EXACT, MessageError  # noqa: E402
 from netmq_example.scene import EnvironmentClient, Scene, SceneSimulator  # noqa: E402
 from netmq_example.wire import trees  # noqa: E402
-from netmq_example.wire.records import (  # noqa: E402
-    ANSWERS,
-    ENDED,
-    SEEN,
-    STEP,
-    WHO,
-    Record,
-    Section,
-    read_frames,
-    rewards,
-    with_infos,
-    with_sizes,
-)
+from netmq_example.wire.records import ANSWERS, ENDED, SEEN, STEP, WHO, Record, Section, read_frames  # noqa: E402
+from netmq_example.wire.sections import rewards, with_infos, with_sizes  # noqa: E402
 from netmq_example.wire.split_mix import draws  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 from netmq_example.worlds.cross_entropy import play, train  # noqa: E402

@@ -31,10 +31,8 @@ from netmq_example.wire.records import (  # noqa: E402
     Record,
     Section,
     read_frames,
-    rewards_in,
-    seeds,
-    with_sizes,
 )
+from netmq_example.wire.sections import rewards_in, seeds, with_sizes  # noqa: E402
 from tests.lessons.test_10_many_agents_faults import OldArray  # noqa: E402
 
 

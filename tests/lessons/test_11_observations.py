@@ -29,7 +29,7 @@ from pettingzoo.test import parallel_api_test  # noqa: E402
 
 from netmq_example.envs import UnityParallelEnv  # noqa: E402
 from netmq_example.messages import Message, MessageError  # noqa: E402
-from netmq_example.wire import records, trees  # noqa: E402
+from netmq_example.wire import records, sections, trees  # noqa: E402
 from netmq_example.wire.records import Record, Section  # noqa: E402
 from tests.lessons.vectors import play  # noqa: E402
 
@@ -91,7 +91,7 @@ def talk(kind, start, client_command, context, count=3):
             said.append(router.recv_multipart()[1:])
 
         def record(id, order, row=b"", options=b"", count=1):
-            section = Section(0, records.seeds([7] * count), bytes([order]) * count, values=row * count)
+            section = Section(0, sections.seeds([7] * count), bytes([order]) * count, values=row * count)
             ask(Record(records.ASKS, id, [section], said=options))
 
         def info(id, value):

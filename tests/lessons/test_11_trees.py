@@ -26,9 +26,9 @@ from netmq_example.envs import merge as fit  # noqa: E402
 from netmq_example.locator import LocatorError  # noqa: E402
 from netmq_example.messages import MessageError  # noqa: E402
 from netmq_example.scene.attributes import Seen  # noqa: E402
-from netmq_example.wire import records, trees  # noqa: E402
+from netmq_example.wire import records, sections, trees  # noqa: E402
+from netmq_example.wire.batches import empty  # noqa: E402
 from netmq_example.wire.records import Record, Section  # noqa: E402
-from netmq_example.wire.space_bytes import empty  # noqa: E402
 
 PAGE = ROOT / "docs" / "guide" / "11_locators.md"
 
@@ -85,7 +85,7 @@ def test_both_languages_read_and_write_the_golden_values(program):
 
 def test_both_languages_write_the_golden_rows(program):
     """The agent itself is not named: so the rows of all of a kind have one form."""
-    reset = Record(records.ASKS, 1, [Section(0, records.seeds([1]), bytes([records.RESET]))]).frame()
+    reset = Record(records.ASKS, 1, [Section(0, sections.seeds([1]), bytes([records.RESET]))]).frame()
     lines = []
     for one in GOLDEN["rows"]:
         sources = [(locator.parse(text), meant(value)) for text, value in one["means"]]

@@ -26,7 +26,7 @@ from netmq_example.envs.plan import Sight  # noqa: E402
 from netmq_example.locator import parse  # noqa: E402
 from netmq_example.messages import Message, MessageError  # noqa: E402
 from netmq_example.scene import Agent, Obs, Scene, SceneSimulator  # noqa: E402
-from netmq_example.wire import records, trees  # noqa: E402
+from netmq_example.wire import records, sections, trees  # noqa: E402
 from netmq_example.wire.records import FORM, SIZES, TERMINATED, Record, Section  # noqa: E402
 from netmq_example.worlds.coin_car import CoinCar  # noqa: E402
 
@@ -147,7 +147,7 @@ def test_an_episode_without_a_coin_is_one(serve, connect):
     assert Message.read(socket.recv_multipart()).kind == "welcome"
     for ends in 0, TERMINATED:
         request = records.read_frames(records.ASKS, socket.recv_multipart())
-        section = Section(0, records.rewards([0.0]), bytes([records.SEEN | ends]), values=trees.write_pairs([]))
+        section = Section(0, sections.rewards([0.0]), bytes([records.SEEN | ends]), values=trees.write_pairs([]))
         socket.send_multipart(Record(records.ANSWERS, request.id, [section]).frames())
     server.wait_for("^episode 1: 1 steps, return 0.00: $")
 

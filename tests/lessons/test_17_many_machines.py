@@ -24,7 +24,8 @@ from netmq_example import messages  # noqa: E402
 from netmq_example.fleet.members import Episode, Member, Part  # noqa: E402
 from netmq_example.fleet.trainer import FleetSocket  # noqa: E402
 from netmq_example.security import keys  # noqa: E402
-from netmq_example.wire.records import ANSWERS, ASKS, RESET, STEP, Record, Section, read, seeds  # noqa: E402
+from netmq_example.wire.records import ANSWERS, ASKS, RESET, STEP, Record, Section, read  # noqa: E402
+from netmq_example.wire.sections import seeds  # noqa: E402
 from tests.lessons.poles import returns  # noqa: E402
 
 each_client = pytest.mark.parametrize("kind", CLIENTS)

@@ -82,7 +82,7 @@ def test_what_has_a_socket_or_a_thread_is_not_copied():
 FORKS = """
 import os, sys
 sys.path[:0] = [{root!r}, {root!r} + "/python"]
-from netmq_example.envs.connection import FREE_PORT, Simulators
+from netmq_example.envs.simulators import FREE_PORT, Simulators
 from netmq_example.fleet.trainer import FleetSocket
 from netmq_example.messages import Message
 from netmq_example.video.films import Films

@@ -23,7 +23,8 @@ from gymnasium.vector.utils import batch_space, iterate
 from netmq_example.envs.kinds import Kind
 from netmq_example.messages import ENCODER, MessageError
 from netmq_example.wire import trees
-from netmq_example.wire.records import FORM, Section, with_sizes
+from netmq_example.wire.records import FORM, Section
+from netmq_example.wire.sections import with_sizes
 from netmq_example.wire.space_bytes import Bytes
 from netmq_example.wire.spaces import REASONS, Numbers, shown
 

@@ -38,8 +38,8 @@ from netmq_example.envs.remote import GONE, Remote, checked_seed, info_in, refus
 from netmq_example.envs.rendering import MODES, Rendered
 from netmq_example.errors import Lost
 from netmq_example.messages import EXACT, MessageError
+from netmq_example.wire.batches import empty
 from netmq_example.wire.records import ABSENT, RESET, SEEN, STEP, TERMINATED, TRUNCATED, Record, Section
-from netmq_example.wire.space_bytes import empty
 
 REWARD = struct.Struct("<d")
 

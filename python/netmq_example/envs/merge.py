@@ -30,7 +30,7 @@ from gymnasium.vector.utils import batch_space, iterate
 from netmq_example.json_text import DEEPEST
 from netmq_example.locator import APPEND, Locator, LocatorError, Path, Step, quoted, spelled
 from netmq_example.messages import MessageError
-from netmq_example.wire.space_bytes import no_place, together
+from netmq_example.wire.batches import no_place, together
 from netmq_example.wire.spaces import exactly
 
 # So many items of a sequence, of whatever kind, are looked at one by one. A stack of numbers may be longer.

@@ -17,8 +17,9 @@ from gymnasium.spaces import Space
 
 from netmq_example.envs.kinds import Kind
 from netmq_example.messages import MessageError
+from netmq_example.wire.batches import empty, together
 from netmq_example.wire.records import ANSWERS, SEEN, Section
-from netmq_example.wire.space_bytes import Bytes, empty, together
+from netmq_example.wire.space_bytes import Bytes
 from netmq_example.wire.spaces import Numbers
 
 NOBODY: frozenset[int] = frozenset()

@@ -38,7 +38,8 @@ from netmq_example.envs.rendering import MODES, Rendered
 from netmq_example.errors import Lost
 from netmq_example.messages import EXACT, MessageError
 from netmq_example.wire import records, trees
-from netmq_example.wire.records import Record, Section, rewards_in, with_sizes
+from netmq_example.wire.records import Record, Section
+from netmq_example.wire.sections import rewards_in, with_sizes
 
 Spaces = Mapping[str, Space[Any]]
 Outcome = tuple[Any, float, bool, bool, dict[str, Any]]

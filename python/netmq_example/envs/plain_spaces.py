@@ -24,7 +24,7 @@ from gymnasium import spaces
 from gymnasium.spaces import Space
 from gymnasium.utils import RecordConstructorArgs
 
-from netmq_example.wire.space_bytes import unstacked
+from netmq_example.wire.batches import unstacked
 
 # How many items of a sequence are seen.
 MOST_ITEMS = 8

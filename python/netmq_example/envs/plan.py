@@ -30,7 +30,8 @@ from netmq_example.envs.merge import MOST_ITEMS, fitted, merge
 from netmq_example.locator import Locator, LocatorError, Mapping, Path, parse, quoted, spelled
 from netmq_example.messages import DTYPES, MessageError
 from netmq_example.wire import trees
-from netmq_example.wire.space_bytes import codec_of, empty
+from netmq_example.wire.batches import empty
+from netmq_example.wire.space_bytes import codec_of
 from netmq_example.wire.spaces import Codec
 from netmq_example.wire.trees import REASONS, Reader, made_of
 

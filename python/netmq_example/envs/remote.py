@@ -16,8 +16,8 @@ import numpy as np
 
 from netmq_example import arguments, check
 from netmq_example.envs.common import LONGEST_OPTIONS, checked_options
-from netmq_example.envs.connection import Simulators
 from netmq_example.envs.kinds import SceneHello, read_hello, same_scene
+from netmq_example.envs.simulators import Simulators
 from netmq_example.errors import Lost
 from netmq_example.messages import EXACT, Message, MessageError
 from netmq_example.wire import trees

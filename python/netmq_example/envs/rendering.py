@@ -28,8 +28,8 @@ from typing import Any
 from gymnasium import logger
 
 from netmq_example import arguments
-from netmq_example.envs.connection import FREE_PORT, Simulators
 from netmq_example.envs.remote import Remote
+from netmq_example.envs.simulators import FREE_PORT, Simulators
 from netmq_example.errors import Lost
 from netmq_example.finalizers import finalizer
 from netmq_example.messages import MessageError

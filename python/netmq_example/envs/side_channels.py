@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from netmq_example import check
-from netmq_example.envs.connection import Simulators
+from netmq_example.envs.simulators import Simulators
 from netmq_example.errors import Lost
 from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
 from netmq_example.wire.records import Record

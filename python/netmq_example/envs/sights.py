@@ -14,8 +14,8 @@ from netmq_example.envs.observations import NOBODY, all_seen
 from netmq_example.envs.plan import Sight, Table, table_of
 from netmq_example.messages import MessageError
 from netmq_example.wire import trees
+from netmq_example.wire.batches import together
 from netmq_example.wire.records import ANSWERS, FORM, Section
-from netmq_example.wire.space_bytes import together
 
 
 class Sights:

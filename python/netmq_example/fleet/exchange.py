@@ -40,8 +40,8 @@ from netmq_example.wire.records import (
     ZEROS,
     Record,
     Section,
-    with_infos,
 )
+from netmq_example.wire.sections import with_infos
 
 OVER = TERMINATED | TRUNCATED
 # All marks but those of somebody who has come.

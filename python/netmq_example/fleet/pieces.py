@@ -15,7 +15,8 @@ from typing import Any, NamedTuple
 
 from netmq_example.json_text import shallow
 from netmq_example.messages import DECODER, DTYPES, ENCODER, MessageError
-from netmq_example.wire.records import ASKS, ENDED, FORM, SEEN, SIZE, SIZES, WHO, Section, with_infos
+from netmq_example.wire.records import ASKS, ENDED, FORM, SEEN, SIZE, SIZES, WHO, Section
+from netmq_example.wire.sections import with_infos
 
 # How many bytes a number has. Arrays are float32[2,3].
 NUMBERS = {"null": 0, "bool": 1, "int64": 8, "float64": 8}

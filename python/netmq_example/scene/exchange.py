@@ -27,9 +27,8 @@ from netmq_example.wire.records import (
     Record,
     Section,
     bad,
-    rewards,
-    with_infos,
 )
+from netmq_example.wire.sections import rewards, with_infos
 from netmq_example.wire.spaces import write_dict
 
 # Names in an info that are the environment's own, or Gymnasium's.

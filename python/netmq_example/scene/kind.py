@@ -12,7 +12,8 @@ from netmq_example import check
 from netmq_example.messages import MessageError
 from netmq_example.scene.agent import Agent
 from netmq_example.wire import trees
-from netmq_example.wire.records import ASKS, FORM, Section, with_sizes
+from netmq_example.wire.records import ASKS, FORM, Section
+from netmq_example.wire.sections import with_sizes
 from netmq_example.wire.space_bytes import Bytes
 from netmq_example.wire.spaces import REASONS, Numbers, described
 

@@ -37,7 +37,6 @@ A section has n rows, and row i is agent i of its kind, unless WHO says whose it
 In C# it is Records.cs. MessageError says what is wrong with what a peer sent. It needs only Python.
 """
 
-import math
 import struct
 from collections.abc import Iterator, Sequence
 from dataclasses import KW_ONLY, dataclass
@@ -131,22 +130,6 @@ class Section:
             at += size
 
 
-def with_infos(section: Section, infos: dict[int, bytes]) -> Section:
-    """The same section, which says this of these rows."""
-    section.table = b"".join(struct.pack("<II", row, len(data)) for row, data in infos.items())
-    section.infos = b"".join(infos.values())
-    return section
-
-
-def with_sizes(section: Section, rows: Sequence[bytes]) -> Section:
-    """The same section with these values; where their sizes differ, each is said."""
-    section.values = b"".join(rows)
-    if len({*map(len, rows)}) > 1:
-        section.columns |= SIZES
-        section.sizes = struct.pack(f"<{len(rows)}I", *map(len, rows))
-    return section
-
-
 @dataclass(slots=True, eq=False)
 class Record:
     """`said` are the options of a request, or the scene's infos of an answer; without an exchange that is None."""
@@ -198,9 +181,7 @@ def read(kind: int, frame: Any, choices: Sequence[int] = ()) -> Record:
         raise bad("it ends too early")
     found, bits, count, zero, id, said, exchange = HEAD.unpack_from(view)
     if found in (1, 2):
-        raise MessageError(
-            "old-record", "the other side speaks the record of an older kit: update the one that is older"
-        )
+        raise MessageError("old-record", "the other side's kit is older or newer, and so is its record: update one")
     # An id beyond EXACT could not be named in an error, which is a message.
     if found != kind or bits > 15 or zero or not 0 <= id < EXACT:
         raise bad(f"kind {found}, bits {bits} and id {id} cannot be")
@@ -211,9 +192,8 @@ def read(kind: int, frame: Any, choices: Sequence[int] = ()) -> Record:
     end = after + exchange + -exchange % 8
     if end > size:
         raise bad("it ends too early")
-    record = Record(
-        kind, id, [], bits, view[at : at + said], view[after : after + exchange] if bits & EXCHANGE else None
-    )
+    channels = view[after : after + exchange] if bits & EXCHANGE else None
+    record = Record(kind, id, [], bits, view[at : at + said], channels)
     for _ in range(count):
         section, end = read_section(kind, view, end, choices)
         record.sections.append(section)
@@ -300,24 +280,3 @@ def too_big(size: int) -> MessageError:
 
 def bad(why: str) -> MessageError:
     return MessageError("bad-record", f"this is no reset, no step and no answer to one: {why}")
-
-
-def seeds(numbers: Sequence[int]) -> bytes:
-    try:
-        return struct.pack(f"<{len(numbers)}q", *numbers)
-    except struct.error:
-        wrong = ", ".join(map(str, numbers))
-        raise ValueError(f"seed {wrong:.40} cannot be sent: it is a whole number below 2**63") from None
-
-
-def rewards(numbers: Sequence[float]) -> bytes:
-    return struct.pack(f"<{len(numbers)}d", *numbers)
-
-
-def rewards_in(section: Section) -> tuple[float, ...]:
-    """One for each row. MessageError if one is not finite: whoever learned from it would know nothing any more."""
-    numbers: tuple[float, ...] = struct.unpack(f"<{len(section.marks)}d", section.numbers)
-    for number in numbers:
-        if not math.isfinite(number):
-            raise MessageError("bad-reward", f"the reward is {number}")
-    return numbers

@@ -118,9 +118,7 @@ def parted(data: Any) -> tuple[bytes, memoryview]:
 
 def bad(why: object) -> MessageError:
     # It is a ValueError as well, and says already what is wrong.
-    if isinstance(why, MessageError):
-        return why
-    return MessageError("bad-tree", f"this is no value: {why!s:.80}")
+    return why if isinstance(why, MessageError) else MessageError("bad-tree", f"this is no value: {why!s:.80}")
 
 
 def form_of(value: Any, parts: list[Any]) -> Any:
@@ -220,12 +218,10 @@ def reader(form: Any) -> Reader:
         case str():
             return array_reader(form)
         case list():
-            readers = [reader(part) for part in form]
-            return lambda numbers, at: in_turn(readers, numbers, at)
+            return made_of([reader(part) for part in form], list)
         case {"dict": dict(parts)} if len(form) == 1:
-            keys = list(parts)
             each = [reader(part) for part in parts.values()]
-            return made_of(each, lambda values: dict(zip(keys, values, strict=True)))
+            return made_of(each, lambda values: dict(zip(parts, values, strict=True)))
         case {"graph": [_, _, _] as three} if len(form) == 1:
             return made_of([reader(part) for part in three], GraphInstance._make)
         case {"image": "bytes"} if len(form) == 1:
@@ -291,11 +287,10 @@ def array_form(form: str) -> tuple[str, tuple[int, ...], int]:
 def array_reader(form: str) -> Reader:
     name, shape, count = array_form(form)
     dtype = np.dtype(name).newbyteorder("<")
-    size = count * dtype.itemsize
 
     def read_array(numbers: Any, at: int) -> tuple[Any, int]:
         # Of nothing numpy reads nothing: it takes a count of 0 for a mistake.
         items = np.frombuffer(numbers, dtype, count, at) if count else np.empty(0, dtype)
-        return items.reshape(shape).copy(), at + size
+        return items.reshape(shape).copy(), at + count * dtype.itemsize
 
     return read_array
