@@ -13,8 +13,8 @@ from gymnasium.error import ResetNeeded  # noqa: E402
 from gymnasium.spaces import Box, Discrete  # noqa: E402
 
 from netmq_example.envs import UnityGymEnv, UnityParallelEnv, UnityVectorEnv, remote  # noqa: E402
-from netmq_example.envs.connection import FREE_PORT, bound  # noqa: E402
 from netmq_example.envs.infos import Infos  # noqa: E402
+from netmq_example.envs.simulators import FREE_PORT, bound  # noqa: E402
 from netmq_example.messages import MessageError  # noqa: E402
 from netmq_example.scene import Agent, Scene, SceneSimulator  # noqa: E402
 from netmq_example.wire import records  # noqa: E402
@@ -31,9 +31,8 @@ from netmq_example.wire.records import (  # noqa: E402
     TERMINATED,
     Record,
     Section,
-    rewards,
-    with_infos,
 )
+from netmq_example.wire.sections import rewards, with_infos  # noqa: E402
 from tests.lessons.test_10_scene_rules import Asks  # noqa: E402
 
 BOTH = np.zeros(2, int)
@@ -86,7 +85,7 @@ def sea(inside, make):
     return made
 
 
-# Who is away, and who is replaced
+# Agents that are away, and that are replaced
 
 
 @MODES

@@ -31,7 +31,7 @@ def alike(envs, do, *words, **more):
 
 
 def play(envs, act, steps, *resets):
-    """What all of them do, in whatever mode they begin anew: how often each agent ended, and was cut."""
+    """Ends and cuts of each agent, in whatever mode they begin anew."""
     first, *others = envs
     mode = first.metadata["autoreset_mode"]
     for other in others:

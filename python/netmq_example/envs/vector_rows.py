@@ -187,9 +187,8 @@ class VectorRows(MadeAnew, Rendered):
         rewards[who] = rewards_of(ended)
         marks = np.frombuffer(ended.marks, np.uint8)
         terminated[who] = marks & records.TERMINATED > 0
-        truncated[who] = (
-            (marks & records.TERMINATED == 0) | (marks & records.TRUNCATED > 0) | (up is not None and up[who])
-        )
+        cut = (marks & records.TERMINATED == 0) | (marks & records.TRUNCATED > 0)
+        truncated[who] = cut if up is None else cut | up[who]
         self.episodes.begun(who)
         self.last = observations_of(self.single_observation_space, self.kind)
         self.last.take(ended)

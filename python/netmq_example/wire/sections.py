@@ -1,4 +1,4 @@
-"""What goes into a section of a record, and comes out of it: seeds, rewards, rows and infos. It needs only Python."""
+"""Seeds, rewards, rows and infos, as they go into a section of a record and come out of it. It needs only Python."""
 
 import math
 import struct
