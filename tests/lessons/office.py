@@ -28,6 +28,8 @@ class Clerk(Agent):
         self.office = office
         self.period = period
         self.letters: list[str] = []
+        # Whom it ends when it begins next.
+        self.foe: Agent | None = None
 
     def note(self, what: str) -> None:
         self.office.send_info(f"{self.name} {what}")
@@ -38,6 +40,9 @@ class Clerk(Agent):
         self.ticks = 0
         self.plan = ""
         self.letters = []
+        if self.foe:
+            self.foe.terminated = True
+        self.foe = None
 
     def on_action(self, action: Any) -> None:
         self.note(f"does {action}")
@@ -61,6 +66,16 @@ class Clerk(Agent):
                 self.office.away.append(self)
             case ["hire", name]:
                 self.office.add(Clerk(name, self.office))
+            case ["swap", name]:
+                self.reward += 1
+                self.office.remove(self)
+                self.office.add(Clerk(name, self.office))
+            case ["doom", row]:
+                self.foe = self.office.agents[int(row)]
+                self.terminated = True
+            case ["haunt"]:
+                self.office.away[-1].reward += 1
+                self.office.away[-1].terminated = True
             case ["recall"]:
                 self.office.add(self.office.away.pop())
 
@@ -73,9 +88,12 @@ class Clerk(Agent):
         self.note("stepped")
         self.reward += 0.25
         self.terminated |= self.plan == "end late"
+        if self.plan == "go late":
+            self.office.remove(self)
 
     def observe(self) -> Any:
         self.note("sees")
+        self.terminated |= self.plan == "end last"
         return {"drawn": [self.drawn, self.office.drawn], "letters": self.letters, "ticks": [self.ticks]}
 
     def on_info(self, info: Any) -> None:

@@ -280,6 +280,54 @@ def test_who_leaves_in_the_step_of_its_end_is_seen_in_it(mode, at_work):
         assert not envs.step(("", ""))[2].any()
 
 
+def test_an_end_after_the_step_belongs_to_the_next_one(at_work):
+    """In another one's reset, or where an agent is seen."""
+    envs = at_work(UnityVectorEnv, "ann ann", num_envs=2, autoreset_mode="SameStep")
+    envs.reset(seed=1)
+    for actions, ends in (
+        (("doom 1", ""), [True, False]),
+        (("", ""), [False, True]),
+        (("", "end last"), [False, False]),
+        (("", ""), [False, True]),
+        (("", ""), [False, False]),
+    ):
+        assert envs.step(actions)[2].tolist() == ends
+
+
+def test_who_leaves_when_its_time_is_up_is_seen_in_that_step(at_work):
+    envs = at_work(UnityVectorEnv, "ann ann", num_envs=2, autoreset_mode="SameStep", max_episode_steps=1)
+    envs.reset(seed=1)
+    *_, truncated, infos = envs.step(("", "go late"))
+    assert truncated.all() and [seen["ticks"].tolist() for seen in infos["final_obs"]] == [[1], [1]]
+
+
+def test_nothing_is_told_of_who_is_away(at_work):
+    envs = at_work(UnityVectorEnv, "ann ann", num_envs=2)
+    envs.reset(seed=1)
+    assert envs.step(("", "leave"))[3].tolist() == [False, True]
+    for _ in range(2):
+        _, rewards, terminated, truncated, _ = envs.step(("haunt", ""))
+        assert rewards[1] == 0 and not terminated.any() and not truncated.any()
+    _, rewards, terminated, *_ = envs.step(("recall", ""))
+    assert rewards[1] == 0 and not terminated.any()
+
+
+def test_who_comes_for_another_one_begins_when_python_knows_that_it_has_left(at_work):
+    env = at_work(UnityParallelEnv, "ann bob")
+    env.reset(seed=1)
+    env.step({"ann": "", "bob": ""})
+    _, rewards, terminated, truncated, infos = env.step({"ann": "swap ann", "bob": ""})
+    assert (rewards["ann"], terminated["ann"], truncated["ann"]) == (1, False, True)
+    assert infos["ann"]["lost"] == "it has left the scene" and env.agents == ["bob"]
+    answer = env.step({"bob": ""})
+    assert env.agents == ["ann", "bob"] and "ann begins" in done(env, answer) and answer[0]["ann"]["ticks"] == [0]
+    envs = at_work(UnityVectorEnv, "ann ann", num_envs=2)
+    envs.reset(seed=1)
+    answers = [envs.step((first, "")) for first in ("swap ann", "", "", "")]
+    assert [each[3].tolist() for each in answers] == [[True, False], *[[False] * 2] * 3]
+    assert [each[0]["ticks"][0].tolist() for each in answers[1:]] == [[0], [1], [2]]
+
+
 def test_in_a_vector_who_is_away_has_no_rewards_and_no_ends(at_work):
     envs = at_work(UnityVectorEnv, "ann ann", num_envs=2)
     envs.reset(seed=1)

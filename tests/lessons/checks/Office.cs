@@ -79,6 +79,8 @@ namespace NetMQExample.Tests
         private double drawn;
         private int ticks;
         private string plan;
+        // Whom it ends when it begins next.
+        private Clerk foe;
 
         public Clerk(string name, Office office, int period = 1) : base(name, period) => this.office = office;
 
@@ -93,6 +95,8 @@ namespace NetMQExample.Tests
             Note("begins");
             (drawn, ticks, plan) = (Rng.Next(), 0, "");
             letters.Clear();
+            foe?.Terminate();
+            foe = null;
         }
 
         public override void OnAction(object action)
@@ -120,6 +124,19 @@ namespace NetMQExample.Tests
                     office.Away.Push(this);
                     break;
                 case "hire": office.Clerks.Add(new Clerk(words[1], office)); break;
+                case "swap":
+                    AddReward(1);
+                    office.Clerks.Remove(this);
+                    office.Clerks.Add(new Clerk(words[1], office));
+                    break;
+                case "doom":
+                    foe = (Clerk)office.Clerks[Program.Whole(words[1])];
+                    Terminate();
+                    break;
+                case "haunt":
+                    office.Away.Peek().AddReward(1);
+                    office.Away.Peek().Terminate();
+                    break;
             }
         }
 
@@ -135,11 +152,13 @@ namespace NetMQExample.Tests
             Note("stepped");
             AddReward(0.25);
             if (plan == "end late") Terminate();
+            if (plan == "go late") office.Clerks.Remove(this);
         }
 
         public override void Observe(SpaceWriter seen)
         {
             Note("sees");
+            if (plan == "end last") Terminate();
             seen.Set(new Dictionary<string, object>
             {
                 ["drawn"] = new[] { drawn, office.Drawn },

@@ -22,6 +22,8 @@ namespace NetMQExample
         private readonly HashSet<IAgent> refused = new HashSet<IAgent>();
         private List<IAgent> waiting = new List<IAgent>();
         private int renames;
+        // Somebody waits for the next exchange: Python does not know yet that the one before has left.
+        private bool later;
 
         public AgentRoster(double dt, IReadOnlyList<IAgent> agents, IReadOnlyList<Source> sensors)
         {
@@ -56,6 +58,9 @@ namespace NetMQExample
         /// <summary>Whether an episode has begun at all.</summary>
         public bool Started { get; set; }
 
+        /// <summary>Whether a scene has been loaded in this exchange, or just before it.</summary>
+        public bool Loaded { get; set; }
+
         /// <summary>Decides the names.</summary>
         public void Name()
         {
@@ -77,8 +82,8 @@ namespace NetMQExample
         /// <summary>Looks who is there now. Agents of a scene that was loaded take the rows in their order.</summary>
         public void Settle(bool loading)
         {
-            if (waiting.Count > 0 || renames != AgentState.Renames || !Same(agents, known)
-                || !Same(sensors, knownSensors)) Look(loading);
+            if (later || waiting.Count > 0 || renames != AgentState.Renames || !Same(agents, known)
+                || !Same(sensors, knownSensors)) Look(loading || Loaded);
         }
 
         /// <summary>Whether it takes part at this very moment: each agent may switch others off.</summary>
@@ -152,6 +157,7 @@ namespace NetMQExample
             var waited = waiting;
             waiting = new List<IAgent>();
             renames = AgentState.Renames;
+            later = false;
             refused.IntersectWith(known);
             var was = Rows.Select(row => row.Present).ToArray();
             foreach (var row in Rows) row.At = -1;
@@ -177,7 +183,8 @@ namespace NetMQExample
             foreach (var agent in coming)
             {
                 if (refused.Contains(agent) || TryPlace(agent, loading, out var why)) continue;
-                if (!waited.Contains(agent)) waiting.Add(agent);
+                if (why == null) later = true;
+                else if (!waited.Contains(agent)) waiting.Add(agent);
                 else if (refused.Add(agent)) Refuse(agent, why);
             }
             Plan();
@@ -195,11 +202,16 @@ namespace NetMQExample
             var row = kind?.Rows.Where(one => !one.Present && (number < 0 || one.Name == given))
                 .OrderBy(one => Rank(one, loading)).FirstOrDefault();
             if (row == null) return false;
+            if (!loading && IsUntold(row))
+            {
+                why = null;
+                return false;
+            }
             var state = agent.AgentState;
             kind.Check(agent);
             var before = row.State;
             // Its episode goes on with another agent, such as that of a scene that was loaded anew.
-            var goesOn = before != null && before != state && row.Came && row.Begun && !row.Told;
+            var goesOn = loading && before != null && before != state && row.Came && row.Begun && !row.Told;
             (row.Agent, row.State) = (agent, state);
             state.Row = row;
             state.Call(row.Name);
@@ -209,10 +221,14 @@ namespace NetMQExample
             return row.Came = true;
         }
 
+        // Its episode goes on, for all that Python knows: it has not begun in this exchange, and is not to.
+        private static bool IsUntold(AgentRow row) =>
+            row.Came && row.Begun && !row.Told && !row.BeganNow && row.Order != Order.Reset;
+
         // A row whose agent could come back is taken last; and one of which Python does not know that it has left only
-        // if there is no other, or where a scene was loaded anew.
+        // where a scene was loaded anew.
         private int Rank(AgentRow row, bool loading) =>
-            row.Agent == null ? 0 : Exists(row.Agent) ? 2 : row.Told || loading ? 0 : 1;
+            row.Agent == null || loading && !Exists(row.Agent) ? 0 : IsUntold(row) ? 3 : Exists(row.Agent) ? 2 : 0;
 
         private AgentState Take(IAgent agent)
         {

@@ -22,8 +22,9 @@ namespace NetMQExample
         public int At = -1;
         // Whether its agent has been there at all, its episode has begun, and somebody has come who must begin.
         public bool Came, Begun, Born;
-        // Whether Python knows that it is over, or that it has left.
-        public bool Told;
+        // Whether Python knows that it is over, or that it has left; and whether its OnReset, which might have brought
+        // it back, has not.
+        public bool Told, StaysAway;
         // In this exchange: whether it has begun, is new in the answer, has its observation in it, and is in a section
         // of those that have ended.
         public bool BeganNow, New, Shown, Ended;
@@ -36,7 +37,9 @@ namespace NetMQExample
         public bool Acts;
 
         private readonly SpaceReader reader;
-        private object tree;
+        private object tree, form;
+        // In real time, an action that is done again and again.
+        private ReadOnlyMemory<byte>? kept;
 
         public AgentRow(AgentKind kind, int place, int number, string name)
         {
@@ -57,29 +60,38 @@ namespace NetMQExample
         public void Read(ReadOnlyMemory<byte> action, object form, bool keep)
         {
             Acts = true;
-            if (reader == null)
-            {
-                tree = form == null ? MessageTree.Read(action) : MessageTree.Read(form, action);
-                return;
-            }
-            reader.Read(action);
-            if (keep) reader.Keep();
+            // What was received goes with its message.
+            if (keep) action = action.ToArray();
+            kept = keep ? action : (ReadOnlyMemory<byte>?)null;
+            this.form = form;
+            if (reader == null) tree = Tree(action);
+            else reader.Read(action);
         }
 
         /// <summary>Takes the action of somebody who plays by hand.</summary>
         public void Take(object action)
         {
             Acts = true;
+            kept = null;
             if (reader == null) tree = action;
             else reader.Set(action);
         }
 
         public void Act()
         {
+            // Read anew each time: an agent may change what it gets.
+            if (kept is ReadOnlyMemory<byte> action)
+            {
+                if (reader == null) tree = Tree(action);
+                else reader.Read(action);
+            }
             if (reader != null) Agent.OnAction(reader);
             // Null: who plays it by hand presses nothing.
             else if (tree != null) Agent.OnAction(tree);
         }
+
+        private object Tree(ReadOnlyMemory<byte> action) =>
+            form == null ? MessageTree.Read(action) : MessageTree.Read(form, action);
     }
 
     /// <summary>Agents of one name, whose spaces are equal.</summary>

@@ -72,8 +72,10 @@ namespace NetMQExample
                 simulator.Moves.Begin(row => false, default, 0);
             });
             var reward = 0.0;
-            foreach (var row in rows.FindAll(row => row.Present))
+            foreach (var row in rows)
             {
+                row.Told |= !row.Present;
+                if (!row.Present) continue;
                 reward += row.State.Take().Reward;
                 // Nobody reads them.
                 row.State.TakeInfo();

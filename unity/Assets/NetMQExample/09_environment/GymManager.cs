@@ -81,6 +81,7 @@ namespace NetMQExample
                 Simulator = before.Simulator;
                 Simulator.ForgetListeners();
                 Simulator.Moves.World = this;
+                Simulator.Roster.Loaded = true;
                 Hear();
                 return;
             }

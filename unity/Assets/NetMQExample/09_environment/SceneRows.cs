@@ -60,11 +60,13 @@ namespace NetMQExample
             }
         }
 
-        /// <summary>An agent that leaves in the step of its end is seen in it: a frame later it may be gone.</summary>
+        /// <summary>An agent that leaves in the step of its end, or in its last one, is seen in it: a frame later it
+        /// may be gone.</summary>
         public void SeeLeaving()
         {
             foreach (var row in roster.Rows)
-                if (row.Steps && row.Plays && row.State.Over && !roster.IsThere(row)) row.Last = One(row);
+                if (row.Steps && row.Plays && (row.State.Over || row.Order == Order.Last) && !roster.IsThere(row))
+                    row.Last = One(row);
         }
 
         /// <summary>Those that have ended are seen a last time, and with the autoreset said to have.</summary>
@@ -75,7 +77,8 @@ namespace NetMQExample
             {
                 if (!row.Steps || !row.Begun || !row.Present && row.Last.Bytes == null) continue;
                 if (row.Order == Order.Last) row.State.Truncate();
-                if (row.State.Over) shown.Add(row);
+                row.Ended = row.State.Over;
+                if (row.Ended) shown.Add(row);
             }
             if (shown.Count == 0) return;
             // Before others begin, which might change what it sees.
@@ -94,7 +97,7 @@ namespace NetMQExample
                 var (reward, ends) = shown[i].State.Take();
                 answer.Set(i, reward, (Marks)ends | Marks.Seen, shown[i].State.TakeInfo());
                 shown[i].State.ForgetInfo();
-                shown[i].Ended = shown[i].Told = true;
+                shown[i].Told = true;
                 shown[i].Begun = false;
             }
             answer.EndSection();
@@ -112,7 +115,11 @@ namespace NetMQExample
             }
             Write(kind, answer);
             foreach (var row in kind.Rows)
+            {
                 if (!row.Present || row.Order != Order.Nothing || row.New) Tell(row, answer);
+                row.Order = Order.Nothing;
+                row.BeganNow = false;
+            }
             answer.EndSection();
         }
 
@@ -120,8 +127,10 @@ namespace NetMQExample
         private static void Tell(AgentRow row, StepAnswer answer)
         {
             var (reward, ends) = row.State?.Take() ?? (0, 0);
-            // An end is told once; one in an OnReset belongs to the first step.
-            if (!row.Begun || row.New || row.Present && !row.Steps) ends = 0;
+            // Told once. An end in an OnReset, or while others are seen, belongs to the next step.
+            if (!row.Begun || row.New || row.Present && !row.Ended) ends = 0;
+            // While it is away nothing that others do to it counts.
+            if (!row.Begun) reward = 0;
             var mark = (Marks)ends | (row.Present ? 0 : Marks.Absent) | (row.Shown ? Marks.Seen : 0);
             if (row.Present && row.New) mark |= Marks.New;
             row.Told = !row.Present || ends != 0;

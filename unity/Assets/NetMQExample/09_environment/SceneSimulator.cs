@@ -215,7 +215,7 @@ namespace NetMQExample
             roster.Settle(Loading);
             // Agents that have come in the frame that has passed.
             Episodes += steps.Begin(row => false, default, 0);
-            Loading = false;
+            Loading = roster.Loaded = false;
             for (var i = 0; i < request.Count; i++) rows.See(roster.Kinds[request[i].Kind], answer);
             var said = infos.Take();
             answer.Infos = said == null ? null : MessageTree.Write(said);

@@ -75,14 +75,18 @@ namespace NetMQExample
         {
             beginning.Clear();
             var told = false;
+            // In each step a trainer of many resets those that are away, too. Their OnReset, which may bring them back,
+            // is called in the first one.
+            var inStep = roster.Rows.Exists(row => row.Steps);
             foreach (var row in roster.Rows)
             {
-                if (!row.Kind.Asked || !again(row)) continue;
+                if (!row.Kind.Asked || !again(row) || inStep && !row.Present && row.StaysAway) continue;
                 beginning.Add(row);
                 told |= row.Order == Order.Reset;
             }
-            if (beginning.Count > 0 && !roster.Rows.Any(row => row.Kind.Asked && row.Present && row.Begun
-                && !beginning.Contains(row)))
+            var all = beginning.Count > 0 && !roster.Rows.Any(row => row.Kind.Asked && row.Present && row.Begun
+                && !beginning.Contains(row));
+            if (all)
             {
                 roster.Seed = unchecked(seed - roster.Rows.Find(row => row.Kind.Asked).Number);
                 if (told) Anew();
@@ -119,6 +123,7 @@ namespace NetMQExample
             row.State.Begin(new RandomGenerator(seed), own, state);
             row.Begun = row.BeganNow = roster.Started = true;
             row.Born = row.Told = false;
+            row.StaysAway = !row.Present;
             row.New = !told;
         }
 

@@ -56,9 +56,6 @@ namespace NetMQExample
             if (!inside) throw NotInSpace($"{GymSpace.Shown(numbers)} is");
         }
 
-        // Received bytes go with their message; in real time they are asked for again after that.
-        internal void Keep() => row = row.ToArray();
-
         /// <summary>Takes what somebody wants who plays by hand: numbers (double[]), any value of the space, or null,
         /// which is zeros.</summary>
         /// <exception cref="MessageException">They are not in the space.</exception>
