@@ -155,16 +155,18 @@ def test_who_dies_keeps_its_last_reward_and_the_next_reset_brings_it_back(scene)
             env.step(dict.fromkeys(env.agents, 0))
         assert env.agents == BOTS
         _, rewards, terminated, truncated, infos = env.step(dict.fromkeys(BOTS, 0))
-        # A new one takes the place of one that was not over, a frame later: its episode goes on.
+        # A new one takes the place of one that was not over, a frame later: it begins when that is told.
         died = [name for name in BOTS[2:] if name != "replaced"]
         assert {rewards[name] for name in died} == {-10} and rewards["leader"] == rewards["stays"] == 1
         assert [name for name in BOTS if terminated[name]] == [name for name in died if name != "off"]
-        assert [name for name in BOTS if truncated[name]] == ["off"]
+        assert [name for name in BOTS if truncated[name]] == [name for name in BOTS if name in ("off", "replaced")]
         assert [name for name in died if infos[name]["agent"] == ["died"]] == died
-        assert infos["off"]["lost"] == "it has left the scene"
-        assert env.agents == ["leader", "stays", "replaced"]
+        assert infos["off"]["lost"] == infos["replaced"]["lost"] == "it has left the scene"
+        assert env.agents == ["leader", "stays"]
         for _ in range(30):
-            env.step(dict.fromkeys(env.agents, 0))
+            seen = env.step(dict.fromkeys(env.agents, 0))[0]
+            assert {*env.agents} == {"leader", "stays", "respawned", "replaced"}
+        assert seen["replaced"]["age"] < seen["stays"]["age"]
     env.close()
     assert "gave up" not in player.output
 

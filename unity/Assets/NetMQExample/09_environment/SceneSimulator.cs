@@ -203,8 +203,10 @@ namespace NetMQExample
             Loading = false;
             for (var i = 0; i < request.Count; i++)
                 rows.End(roster.Kinds[request[i].Kind], request.Autoreset, answer);
-            var begun = steps.Begin(
-                row => row.Order == Order.Reset || row.Ended, request.Options, request[0].Seed(0));
+            var again = request.Autoreset
+                ? row => row.Order == Order.Reset || row.Ended
+                : (Func<AgentRow, bool>)(row => row.Order == Order.Reset);
+            var begun = steps.Begin(again, request.Options, request[0].Seed(0));
             Episodes += begun;
             if (begun > 0 && !request.Steps) real.Restart();
             return begun > 0;
