@@ -5,7 +5,6 @@
 // there is none it waits for a frame, since Unity destroys what has that number at the end of the frame only.
 using System;
 using System.Collections.Generic;
-using System.Globalization;
 using System.Linq;
 
 namespace NetMQExample
@@ -73,7 +72,7 @@ namespace NetMQExample
             if (twice != null)
                 throw new MessageException("two-agents",
                     $"{twice.AgentState.Given} is in the scene twice: each row is an agent of its own");
-            foreach (var group in all.GroupBy(agent => Split(agent.AgentState.Given).Name))
+            foreach (var group in all.GroupBy(agent => AgentKind.Split(agent.AgentState.Given).Name))
                 Add(group.Key, group.ToList());
             Look(false);
             foreach (var row in Rows) row.Born = false;
@@ -97,24 +96,14 @@ namespace NetMQExample
             throw new MessageException("unknown-agent", $"no agent is named '{name}'; there are: {there}");
         }
 
-        private static (string Name, int Number) Split(string name)
-        {
-            var at = name.LastIndexOf('_');
-            var digits = name.Substring(at + 1);
-            // 07 is a name, since row 7 is called 7.
-            return at > 0 && (digits == "0" || !digits.StartsWith("0", StringComparison.Ordinal))
-                && int.TryParse(digits, NumberStyles.None, CultureInfo.InvariantCulture, out var number)
-                ? (name.Substring(0, at), number) : (name, -1);
-        }
-
         private void Add(string name, List<IAgent> own)
         {
             var kind = new AgentKind(name, Kinds.Count, own[0]);
             var most = AtMost.TryGetValue(name, out var given) && given > 0 ? given : own.Count;
             if (own.Count > most) throw new MessageException("no-space", Full(name, most));
-            var numbers = own.Select(agent => Split(agent.AgentState.Given).Number).ToArray();
+            var numbers = own.Select(agent => AgentKind.Split(agent.AgentState.Given).Number).ToArray();
             var twice = own.FirstOrDefault(agent =>
-                numbers.Count(number => number >= 0 && number == Split(agent.AgentState.Given).Number) > 1);
+                numbers.Count(number => number >= 0 && number == AgentKind.Split(agent.AgentState.Given).Number) > 1);
             if (twice != null)
                 throw new MessageException("two-agents",
                     $"two agents are named '{twice.AgentState.Given}': each needs a name of its own");
@@ -193,7 +182,7 @@ namespace NetMQExample
         private bool TryPlace(IAgent agent, bool loading, out string why)
         {
             var given = Take(agent).Given;
-            var (name, number) = Split(given);
+            var (name, number) = AgentKind.Split(given);
             var kind = Kinds.Find(one => one.Name == name);
             why = kind == null
                 ? $"agent '{given}' has come when Python was there, and there was none before: put one into the scene, "
@@ -202,7 +191,7 @@ namespace NetMQExample
             var row = kind?.Rows.Where(one => !one.Present && (number < 0 || one.Name == given))
                 .OrderBy(one => Rank(one, loading)).FirstOrDefault();
             if (row == null) return false;
-            if (!loading && IsUntold(row))
+            if (!loading && row.Untold)
             {
                 why = null;
                 return false;
@@ -221,14 +210,10 @@ namespace NetMQExample
             return row.Came = true;
         }
 
-        // Its episode goes on, for all that Python knows: it has not begun in this exchange, and is not to.
-        private static bool IsUntold(AgentRow row) =>
-            row.Came && row.Begun && !row.Told && !row.BeganNow && row.Order != Order.Reset;
-
         // A row whose agent could come back is taken last; and one of which Python does not know that it has left only
         // where a scene was loaded anew.
         private int Rank(AgentRow row, bool loading) =>
-            row.Agent == null || loading && !Exists(row.Agent) ? 0 : IsUntold(row) ? 3 : Exists(row.Agent) ? 2 : 0;
+            row.Agent == null || loading && !Exists(row.Agent) ? 0 : row.Untold ? 3 : Exists(row.Agent) ? 2 : 0;
 
         private AgentState Take(IAgent agent)
         {

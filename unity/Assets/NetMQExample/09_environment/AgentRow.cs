@@ -1,6 +1,7 @@
 // Lesson 09, rows: each agent that Python knows has one, in each request and in each answer.
 using System;
 using System.Collections.Generic;
+using System.Globalization;
 using System.Linq;
 using System.Text;
 
@@ -48,6 +49,9 @@ namespace NetMQExample
         }
 
         public bool Present => At >= 0;
+
+        // Its episode goes on, for all that Python knows: it has not begun in this exchange, and is not to.
+        public bool Untold => Came && Begun && !Told && !BeganNow && Order != Order.Reset;
 
         public bool Steps => Order == Order.Step || Order == Order.Last;
 
@@ -108,6 +112,17 @@ namespace NetMQExample
         public bool Asked, Located;
 
         private readonly SpaceWriter writer;
+
+        /// <summary>The parts of fish_3.</summary>
+        public static (string Name, int Number) Split(string name)
+        {
+            var at = name.LastIndexOf('_');
+            var digits = name.Substring(at + 1);
+            // 07 is a name, since row 7 is called 7.
+            return at > 0 && (digits == "0" || !digits.StartsWith("0", StringComparison.Ordinal))
+                && int.TryParse(digits, NumberStyles.None, CultureInfo.InvariantCulture, out var number)
+                ? (name.Substring(0, at), number) : (name, -1);
+        }
 
         public AgentKind(string name, int place, IAgent first)
         {

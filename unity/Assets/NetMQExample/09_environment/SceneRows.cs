@@ -31,6 +31,26 @@ namespace NetMQExample
             for (var i = 0; i < request.Count; i++) Ask(request, request[i]);
         }
 
+        /// <summary>Whether those are there who began in this exchange, or were there when it began.</summary>
+        public bool AreThere()
+        {
+            roster.Settle(true);
+            foreach (var row in roster.Rows)
+                if (!row.Present && (row.BeganNow || row.Steps && row.Begun)) return false;
+            return true;
+        }
+
+        /// <summary>The world's own picture, or one of each row: an agent that is away, or draws nothing, is black.
+        /// Null: nobody draws any.</summary>
+        public IEnumerable<MessageArray> Pictures(MessageArray world)
+        {
+            if (world != null) return new[] { world };
+            var each = roster.Rows.ConvertAll(row => row.Present ? row.Agent.Render() : null);
+            var drawn = each.Find(one => one != null);
+            return drawn == null ? null : each.ConvertAll(
+                one => one ?? new MessageArray(drawn.Dtype, new byte[drawn.Data.Length], drawn.Shape));
+        }
+
         private void Ask(StepRequest request, RequestSection section)
         {
             var kind = section.Kind < roster.Kinds.Count ? roster.Kinds[section.Kind] : null;

@@ -129,7 +129,13 @@ namespace NetMQExample
         /// <inheritdoc/>
         public override Message Say(Message request)
         {
-            if (request.Kind == "render") return Render(request.Id);
+            if (request.Kind == "render")
+            {
+                var picture = new Message("picture", request.Id);
+                picture.Arrays.AddRange(rows.Pictures(steps.World?.Render()) ?? throw new MessageException("no-picture",
+                    $"{Name} draws none: override Render, or tell check_env skip_render_check=True"));
+                return picture;
+            }
             if (request.Kind != "info") throw Unknown(request, "info, render");
             var (to, said) = InfoOf(request);
             Inside(() => (to == "" ? OnInfo + Others() ?? Unheard : Find(to).OnInfo)(said));
@@ -238,16 +244,7 @@ namespace NetMQExample
             if (since.Elapsed > MostLoading) return false;
             var loads = Loads() && !loadedBefore;
             Loading |= loads;
-            return first || loads || (Loading && !AreThere());
-        }
-
-        // Those who began in this exchange, or were there when it began.
-        private bool AreThere()
-        {
-            roster.Settle(true);
-            foreach (var row in roster.Rows)
-                if (!row.Present && (row.BeganNow || row.Steps && row.Begun)) return false;
-            return true;
+            return first || loads || (Loading && !rows.AreThere());
         }
 
         private void LookForLate()
@@ -259,21 +256,6 @@ namespace NetMQExample
             Warn($"trouble: agent '{late.Name}' called {late.State.Late} between two steps, such as in its Update: "
                 + "from now on each step waits for a frame; in OnAction or OnTick it belongs to its step, at full "
                 + "speed");
-        }
-
-        private Message Render(long id)
-        {
-            var picture = new Message("picture", id);
-            var all = steps.World?.Render();
-            var each = all != null
-                ? new[] { all }
-                : roster.Rows.Select(row => row.Present ? row.Agent.Render() : null).ToArray();
-            var drawn = Array.Find(each, one => one != null) ?? throw new MessageException("no-picture",
-                $"{Name} draws none: override Render, or tell check_env skip_render_check=True");
-            // A picture for each row: an agent that is away, or draws nothing, is black.
-            foreach (var one in each)
-                picture.Arrays.Add(one ?? new MessageArray(drawn.Dtype, new byte[drawn.Data.Length], drawn.Shape));
-            return picture;
         }
 
         private void Unheard(object said)
