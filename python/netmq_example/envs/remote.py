@@ -81,7 +81,7 @@ class Remote:
             raise
         except BaseException:
             # A Ctrl-C, as a rule: the simulator may have done it, and its answer is read by nobody.
-            self.interrupted = True
+            self.interrupted = not self.simulators.connection.closed
             raise
         return answer
 

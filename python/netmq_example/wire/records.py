@@ -181,7 +181,7 @@ def read(kind: int, frame: Any, choices: Sequence[int] = ()) -> Record:
         raise bad("it ends too early")
     found, bits, count, zero, id, said, exchange = HEAD.unpack_from(view)
     if found in (1, 2):
-        raise MessageError("old-record", "the other side's kit is older or newer, and so is its record: update one")
+        raise MessageError("old-record", "the other side has the record of an older kit: update the one that is older")
     # An id beyond EXACT could not be named in an error, which is a message.
     if found != kind or bits > 15 or zero or not 0 <= id < EXACT:
         raise bad(f"kind {found}, bits {bits} and id {id} cannot be")

@@ -14,8 +14,13 @@ namespace NetMQExample
         private ExceptionDispatchInfo mistake;
 
         // The network thread's to set: whether Python thinks for less than a frame, steps, and has launched the game.
-        public bool Quick, Stepped, Launched;
-        public SimulatorBase Simulator;
+        public bool Quick { get; set; }
+
+        public bool Stepped { get; set; }
+
+        public bool Launched { get; set; }
+
+        public SimulatorBase Simulator { get; set; }
 
         /// <summary>Has it done, and waits for that. For the network thread.</summary>
         public void Do(Action action, CancellationToken stop)
