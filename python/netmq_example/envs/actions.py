@@ -57,9 +57,7 @@ class Actions:
         return batch_space(self.space, self.count)
 
     def put(self, section: Section, actions: Sequence[Any]) -> None:
-        """ValueError names an action that cannot be in the space."""
-        if self.checks:
-            actions = [self.checked(self.space, action) for action in actions]
+        """As they are: whether they are in the space, `checked` says. ValueError names one that cannot be there."""
         try:
             rows = [self.row(action) for action in actions]
         except REASONS as error:

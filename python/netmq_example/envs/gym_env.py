@@ -146,6 +146,8 @@ class UnityGymEnv(MadeAnew, Rendered, gymnasium.Env[Any, Any]):
 
     def ask_step(self, action: Any) -> Record:
         section = Section(self.kind.at, self.zeros, self.marks[STEP])
+        if self.actions.checks:
+            action = self.actions.checked(self.action_space, action)
         self.actions.put(section, [action])
         self.remote.wait_for_tick()
         return self.remote.ask([section])

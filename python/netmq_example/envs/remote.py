@@ -1,9 +1,11 @@
 """A scene as an environment sees it: its simulator, its agents, and the orders to them.
 
-remote = Remote("Ball", use, None, launch=…)                use(scene) looks at its agents, or raises ValueError
-remote.simulators.start(owner, remote.accept)
-answer = remote.begin([section], options)                   resets, in another simulator if one is lost
-answer = remote.ask([section])                              steps; Lost
+    remote = Remote("Ball", use, None, launch=…)                use(scene) looks at its agents, or raises ValueError
+    remote.simulators.start(owner, remote.accept)
+    answer = remote.begin(lambda lost: [section], options)      resets, in another simulator if one is lost
+    answer = remote.ask([section])                              steps; Lost
+
+All environments of this package ask by it. It needs gymnasium and numpy.
 """
 
 import contextlib

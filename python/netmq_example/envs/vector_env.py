@@ -80,7 +80,7 @@ class UnityVectorEnv(VectorRows, VectorEnv[Any, Any, Any]):
         self.over = None
         self.gone = None
         # Those that are away, and of whom that was said; and those that have stepped last, None for all.
-        self.away = np.zeros(self.num_envs, bool)
+        self.away = None
         self.stepping = None
         self.infos = Infos(self.num_envs)
         # Infos of episodes that have ended, while others have begun in the same step.

@@ -86,8 +86,7 @@ class VectorRows(MadeAnew, Rendered):
 
     def begin(self, mask: Any, options: dict[str, Any]) -> Any:
         """Observations. In another simulator all begin anew: those not asked to are lost."""
-        new = mask
-        why = ""
+        new, why = mask, ""
 
         def sections(lost: Lost | None) -> list[Section]:
             nonlocal new, why
@@ -102,7 +101,8 @@ class VectorRows(MadeAnew, Rendered):
         self.read(answer, new)
         for agent in np.flatnonzero(new & ~mask):
             self.infos.add(int(agent), {"lost": why})
-        self.away = np.zeros(self.num_envs, bool) if self.gone is None else self.gone & (new | self.away)
+        told = new if self.away is None else new | self.away
+        self.away = None if self.gone is None else self.gone & told
         seen = self.seen.batch()
         self.over = some(None if self.over is None else self.over & ~new)
         self.begun = True
@@ -163,10 +163,11 @@ class VectorRows(MadeAnew, Rendered):
             truncated = marks & records.TRUNCATED > 0
         if self.gone is not None:
             # An agent that leaves is cut, once; one that is away has no rewards, and no episode that could end.
-            rewards[self.away & self.gone] = 0
-            terminated &= ~self.away
-            truncated = (truncated | (self.gone & ~terminated)) & ~self.away
-        self.away = np.zeros(self.num_envs, bool) if self.gone is None else self.gone
+            away = np.zeros(self.num_envs, bool) if self.away is None else self.away
+            rewards[away & self.gone] = 0
+            terminated &= ~away
+            truncated = (truncated | (self.gone & ~terminated)) & ~away
+        self.away = self.gone
         seen = self.seen.batch()
         if up is not None:
             truncated |= up & (True if self.gone is None else ~self.gone)
