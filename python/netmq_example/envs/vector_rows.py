@@ -149,10 +149,9 @@ class VectorRows(MadeAnew, Rendered):
         return answer
 
     def results(self, answer: Record, again: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
-        quiet = answer.sections[0].marks == self.all_seen and len(answer.sections) == 1
         up = self.episodes.up()
-        may_end = not quiet or up is not None
-        before = self.seen.batch() if self.autoreset_mode == AutoresetMode.SAME_STEP and may_end else None
+        quiet = answer.sections[0].marks == self.all_seen and len(answer.sections) == 1 and up is None
+        before = self.seen.batch() if self.autoreset_mode == AutoresetMode.SAME_STEP and not quiet else None
         now, ended = self.read(answer, again)
         rewards = rewards_of(now)
         if quiet:
@@ -173,7 +172,7 @@ class VectorRows(MadeAnew, Rendered):
             truncated |= up & (True if self.gone is None else ~self.gone)
         if ended is not None:
             self.end(ended, rewards, terminated, truncated, up)
-        self.over = None if quiet and up is None else some(terminated | truncated)
+        self.over = None if quiet else some(terminated | truncated)
         infos = self.infos.gathered()
         if self.autoreset_mode == AutoresetMode.SAME_STEP and self.over is not None:
             infos = self.with_finals(infos, before)
