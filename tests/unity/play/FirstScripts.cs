@@ -32,9 +32,10 @@ namespace NetMQExample.PlayTest
 
     public sealed class Waiting : MonoBehaviour
     {
-        private int updates, lateUpdates, steps;
+        private int updates, lateUpdates, steps, updatesAtStep;
 
-        private void FixedUpdate() => steps++;
+        // How many frames pass until the next step is up to the clock; that nothing comes between them is not.
+        private void FixedUpdate() => (steps, updatesAtStep) = (steps + 1, updates);
 
         private void Update() => updates++;
 
@@ -47,9 +48,9 @@ namespace NetMQExample.PlayTest
             print($"null: frame {Time.frameCount}, after Update: {updates == 2 && lateUpdates == 1}");
             yield return new WaitForEndOfFrame();
             print($"end of frame {Time.frameCount}, after LateUpdate: {lateUpdates == 2}");
-            var before = (steps, updates);
+            var before = steps;
             yield return new WaitForFixedUpdate();
-            print($"a step: {steps == before.steps + 1}, before Update: {updates == before.updates}");
+            print($"a step: {steps == before + 1}, before Update: {updates == updatesAtStep}");
             float began = Time.time, real = Time.realtimeSinceStartup;
             yield return new WaitForSeconds(0.05f);
             print($"seconds: {Time.time >= began + 0.05f}");
