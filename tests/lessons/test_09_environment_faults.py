@@ -604,4 +604,5 @@ def test_resets_leave_nothing_open(make, launch):
     before = held()
     for number in range(50):
         env.reset(seed=number)
-    assert held() == before
+    # The simulator's first try to connect may still have been closing then.
+    assert all(now <= then for now, then in zip(held(), before, strict=True))
