@@ -307,32 +307,34 @@ def test_python_agrees_with_the_golden_bytes():
 
 
 def test_each_column_stands_where_the_table_says():
-    """By hand, also those that no side sends yet: two rows of kind 1, which have 3 choices."""
+    """By hand, also those of the scene's clock: two rows of kind 1, which have 3 choices."""
     head = struct.pack("<BBHIqII", ANSWERS, 1 | 8, 1, 0, 7, 2, 5) + b"ab".ljust(8, b"\0") + b"other".ljust(8, b"\0")
     columns = {
         WHO: struct.pack("<2I", 4, 2),
         IDS: struct.pack("<2i", -1, 9),
         GROUPS: struct.pack("<2i2f", 1, 0, 0.5, 2),
-        MASKS: b"\1\0\1\0\1\1\0\0",
+        MASKS: struct.pack("<I", 3) + b"\1\0\1\0\1\1" + bytes(6),
         SIZES: struct.pack("<2I", 3, 2),
         ENDED: b"",
     }
     begin = struct.pack("<HHIIIII", 1, sum(columns), 2, 1, 5, 3, 0) + struct.pack("<2d2B6x", 0.5, -1, SEEN | 1, SEEN)
     values = b"abcde\0\0\0" + struct.pack("<2I", 1, 3) + b"xyz\0\0\0\0\0"
     frame = head + begin + b"".join(columns.values()) + values
-    record = read(ANSWERS, frame, [2, 3])
+    record = read(ANSWERS, frame)
     (section,) = record.sections
     assert (record.id, record.bits, bytes(record.said), bytes(record.exchange)) == (7, 9, b"ab", b"other")
     assert (section.kind, list(section.whose()), rewards_in(section)) == (1, [4, 2], (0.5, -1))
     assert [bytes(part) for part in (section.ids, section.groups)] == [columns[IDS], columns[GROUPS]]
-    assert bytes(section.masks) == columns[MASKS][:6]
+    assert bytes(section.masks) == columns[MASKS][4:10]
     assert [bytes(row) for row in section.rows(ANSWERS)] == [b"abc", b"de"]
     assert [(row, bytes(data)) for row, data in section.each_info()] == [(1, b"xyz")]
     assert record.frame() == frame
-    # Cut anywhere, or with masks of nobody knows how many, it is none.
-    for wrong, choices in (*((frame[:at], [2, 3]) for at in range(len(frame))), (frame, []), (frame, [2, 20])):
+    # Cut anywhere, or with larger masks than there are, it is none.
+    larger = frame.replace(columns[MASKS][:5], struct.pack("<I", 20) + b"\1")
+    assert larger != frame
+    for wrong in (*(frame[:at] for at in range(len(frame))), larger):
         with pytest.raises(MessageError, match=r"^bad-record: "):
-            read(ANSWERS, wrong, choices)
+            read(ANSWERS, wrong)
 
 
 def test_csharp_agrees_with_the_golden_bytes(program):

@@ -8,14 +8,15 @@ All numbers are little-endian. Every part begins at a multiple of 8, with zeros 
 
      0  uint8     3: a request, 4: an answer; a message of lesson 05 begins with {, which is 123
      1  uint8     1: there is an exchange of side channels (lesson 13), 2: who ends begins anew within this exchange,
-                  4: the scene's clock, 8: real time
-     2  uint16    how many sections there are             4  uint32  0
+                  4: the scene's clock, 8: real time, 16: of the scene's clock: begin all anew
+     2  uint16    how many sections there are; of the scene's clock that may be none              4  uint32  0
      8  int64     the id of the request, and of its answer
     16  uint32    how many bytes of options or infos      20  uint32  how many bytes the exchange has
-    24            the options of a reset, or in an answer the scene's own infos: a value (trees.py); the exchange; and
-                  the sections, one for each kind of agent, and with ENDED one more of those that have ended
+    24            the options of a reset, or in an answer the scene's own infos: a value (trees.py), by the scene's
+                  clock {"kinds": [...]}, those that are new; the exchange; and the sections, one for each kind of
+                  agent, and with ENDED one more of those that have ended
 
-A section has n rows, and row i is agent i of its kind, unless WHO says whose it is:
+A section has n rows, and row i is agent i of its kind, unless WHO or IDS says whose it is:
 
      0  uint16    the kind, its place in the hello         2  uint16  columns, see below
      4  uint32    n      8  uint32  i, how many infos      12  uint32  bytes of values     16  uint32  bytes of infos
@@ -24,13 +25,14 @@ A section has n rows, and row i is agent i of its kind, unless WHO says whose it
                   n uint8, of a request 0 nothing, 1 step, 2 reset, 3 step and then your time is up; of an answer
                   1 terminated + 2 truncated + 4 not there + 8 new + 16 wants an action + 32 has a row of values
         WHO     1 n uint32
-        IDS     2 n int32, episodes; the scene's clock only
-        GROUPS  4 n int32, groups, and n float32, their rewards
-        MASKS   8 n uint8 for each choice of the hello
+        IDS     2 n int32, the agents' ids; the scene's clock only
+        GROUPS  4 n int32, groups, 0 is none, and n float32, their rewards
+        MASKS   8 uint32, how many bytes a row has, and n times so many uint8: one for each choice of each branch, one
+                  branch after the other, 1 is forbidden
         SIZES  16 uint32 for each row of values: its size; without it all are of one size
         FORM   32 uint32, how many bytes, and the form of all rows in ASCII: a row then has only its numbers. In any
                   row of locators its own agent is not named: 'car'@['speed'] = $ is written @['speed'] = $
-        ENDED  64 these have ended in this exchange
+        ENDED  64 these have ended in this exchange; it has WHO or IDS
                   the values: an action for each that steps, or an observation for each mark with 32
                   i pairs of uint32, row and size, and then the infos: values
 
@@ -46,7 +48,7 @@ from netmq_example import messages
 from netmq_example.messages import EXACT, LIMIT, MessageError
 
 ASKS, ANSWERS = 3, 4
-EXCHANGE, AUTORESET, SCENE_CLOCK, REAL_TIME = 1, 2, 4, 8
+EXCHANGE, AUTORESET, SCENE_CLOCK, REAL_TIME, ANEW = 1, 2, 4, 8, 16
 NOTHING, STEP, RESET, LAST = 0, 1, 2, 3
 TERMINATED, TRUNCATED, ABSENT, NEW, WANTS, SEEN = 1, 2, 4, 8, 16, 32
 WHO, IDS, GROUPS, MASKS, SIZES, FORM, ENDED = 1, 2, 4, 8, 16, 32, 64
@@ -92,8 +94,11 @@ class Section:
             ZEROS[count % 8],
         ]
         if self.columns:
-            for column in (self.who, self.ids, self.groups, self.masks, self.sizes):
+            for column in (self.who, self.ids, self.groups):
                 parts += [column, ZEROS[len(column) % 8]]
+            if self.columns & MASKS:
+                parts += [SIZE.pack(len(self.masks) // count), self.masks, ZEROS[(SIZE.size + len(self.masks)) % 8]]
+            parts += [self.sizes, ZEROS[len(self.sizes) % 8]]
             if self.columns & FORM:
                 parts += [SIZE.pack(len(self.form)), self.form, ZEROS[(SIZE.size + len(self.form)) % 8]]
         parts += [values, ZEROS[len(values) % 8]]
@@ -166,13 +171,13 @@ def is_record(frames: list[Any]) -> bool:
     return len(frames) == 1 and bytes(memoryview(frames[0])[:1]) in (b"\1", b"\2", b"\3", b"\4")
 
 
-def read_frames(kind: int, frames: list[Any], choices: Sequence[int] = ()) -> Any:
+def read_frames(kind: int, frames: list[Any]) -> Any:
     """The received Record of this kind, or Message."""
-    return read(kind, frames[0], choices) if is_record(frames) else messages.Message.read(frames)
+    return read(kind, frames[0]) if is_record(frames) else messages.Message.read(frames)
 
 
-def read(kind: int, frame: Any, choices: Sequence[int] = ()) -> Record:
-    """The record in a frame, which is not copied. `choices` are how many a mask of each kind has."""
+def read(kind: int, frame: Any) -> Record:
+    """The record in a frame, which is not copied."""
     view = memoryview(frame).cast("B")
     size = len(view)
     if size > LIMIT:
@@ -183,7 +188,7 @@ def read(kind: int, frame: Any, choices: Sequence[int] = ()) -> Record:
     if found in (1, 2):
         raise MessageError("old-record", "the other side has the record of an older kit: update the one that is older")
     # An id beyond EXACT could not be named in an error, which is a message.
-    if found != kind or bits > 15 or zero or not 0 <= id < EXACT:
+    if found != kind or bits > 31 or bits & (ANEW | SCENE_CLOCK) == ANEW or zero or not 0 <= id < EXACT:
         raise bad(f"kind {found}, bits {bits} and id {id} cannot be")
     if exchange and not bits & EXCHANGE:
         raise bad("an exchange that its bits deny")
@@ -195,14 +200,14 @@ def read(kind: int, frame: Any, choices: Sequence[int] = ()) -> Record:
     channels = view[after : after + exchange] if bits & EXCHANGE else None
     record = Record(kind, id, [], bits, view[at : at + said], channels)
     for _ in range(count):
-        section, end = read_section(kind, view, end, choices)
+        section, end = read_section(kind, view, end)
         record.sections.append(section)
     if end != size:
         raise bad(f"it has {size} bytes in place of {end}")
     return record
 
 
-def read_section(kind: int, view: memoryview, at: int, choices: Sequence[int]) -> tuple[Section, int]:
+def read_section(kind: int, view: memoryview, at: int) -> tuple[Section, int]:
     size = len(view)
     if at + SECTION.size > size:
         raise bad("it ends too early")
@@ -219,7 +224,7 @@ def read_section(kind: int, view: memoryview, at: int, choices: Sequence[int]) -
     section = Section(which, view[begin:end_of_numbers], marks, columns=columns)
     rows = len(marks.translate(None, WITHOUT_VALUES[kind]))
     if columns:
-        at = read_columns(section, view, at, rows, choices)
+        at = read_columns(section, view, at, rows)
     known = sum(section.sizes.cast("I")) == values if columns & SIZES else not values % rows if rows else not values
     if not known:
         raise bad(f"{values} bytes are no {rows} rows")
@@ -239,10 +244,10 @@ def read_section(kind: int, view: memoryview, at: int, choices: Sequence[int]) -
     return section, end
 
 
-def read_columns(section: Section, view: memoryview, at: int, rows: int, choices: Sequence[int]) -> int:
+def read_columns(section: Section, view: memoryview, at: int, rows: int) -> int:
     columns = section.columns
     count = len(section.marks)
-    if (columns & ENDED and not columns & WHO) or (columns & SIZES and columns & FORM):
+    if (columns & ENDED and not columns & (WHO | IDS)) or (columns & SIZES and columns & FORM):
         raise bad(f"columns {columns} cannot be together")
 
     def take(size: int) -> memoryview:
@@ -253,6 +258,13 @@ def read_columns(section: Section, view: memoryview, at: int, rows: int, choices
         at += size + -size % 8
         return part
 
+    def measured(count: int) -> memoryview:
+        """So many pieces of a size that stands before them."""
+        if at + SIZE.size > len(view):
+            raise bad("it ends too early")
+        (size,) = SIZE.unpack_from(view, at)
+        return take(SIZE.size + count * size)[SIZE.size :]
+
     if columns & WHO:
         section.who = take(4 * count)
     if columns & IDS:
@@ -260,17 +272,13 @@ def read_columns(section: Section, view: memoryview, at: int, rows: int, choices
     if columns & GROUPS:
         section.groups = take(8 * count)
     if columns & MASKS:
-        each = choices[section.kind] if section.kind < len(choices) else 0
-        if not each:
-            raise bad("masks of a kind without choices")
-        section.masks = take(each * count)
+        section.masks = measured(count)
+        if not section.masks:
+            raise bad("masks of no choices")
     if columns & SIZES:
         section.sizes = take(4 * rows)
     if columns & FORM:
-        if at + SIZE.size > len(view):
-            raise bad("it ends too early")
-        (size,) = SIZE.unpack_from(view, at)
-        section.form = bytes(take(SIZE.size + size)[SIZE.size :])
+        section.form = bytes(measured(1))
     return at
 
 
