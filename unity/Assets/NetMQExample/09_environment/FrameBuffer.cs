@@ -13,6 +13,9 @@ namespace NetMQExample
 
         public void Clear() => Count = 0;
 
+        // What was written from a place on is forgotten.
+        public void Cut(int count) => Count = count;
+
         public void Advance(int count) => Count += count;
 
         public Span<byte> GetSpan(int size)
@@ -43,6 +46,8 @@ namespace NetMQExample
 
         // All machines that Unity runs on are little-endian, as the bytes are.
         public void Write(uint number) => Count += BitConverter.TryWriteBytes(GetSpan(4), number) ? 4 : 0;
+
+        public void Write(float number) => Count += BitConverter.TryWriteBytes(GetSpan(4), number) ? 4 : 0;
 
         public void Write(long number) => Count += BitConverter.TryWriteBytes(GetSpan(8), number) ? 8 : 0;
 

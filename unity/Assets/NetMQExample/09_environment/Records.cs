@@ -4,8 +4,8 @@
 //
 //      0  uint8     3: a request, 4: an answer; a message of lesson 05 begins with {, which is 123
 //      1  uint8     1: there is an exchange of side channels (lesson 13), 2: who ends begins anew within this exchange,
-//                   4: the scene's clock, 8: real time
-//      2  uint16    how many sections there are             4  uint32  0
+//                   4: the scene's clock, 8: real time, 16: all begin anew; the scene's clock only, and no sections
+//      2  uint16    how many sections there are; 0 only by the scene's clock      4  uint32  0
 //      8  int64     the id of the request, and of its answer
 //     16  uint32    how many bytes of options or infos      20  uint32  how many bytes the exchange has
 //     24            the options of a reset, or in an answer the world's own infos: a value (MessageTree.cs); the
@@ -20,13 +20,13 @@
 //                   n uint8, of a request 0 nothing, 1 step, 2 reset, 3 step and then your time is up; of an answer
 //                   1 terminated + 2 truncated + 4 not there + 8 new + 16 wants an action + 32 has a row of values
 //         WHO     1 n uint32
-//         IDS     2 n int32, episodes; the scene's clock only
-//         GROUPS  4 n int32, groups, and n float32, their rewards
-//         MASKS   8 n uint8 for each choice of the hello
+//         IDS     2 n int32, the agents' ids; of answers by the scene's clock only, as the next two are
+//         GROUPS  4 n int32, groups, 0 is none, and n float32, their rewards
+//         MASKS   8 uint32, how many choices a row has, and for each row so many uint8, 1: it is forbidden
 //         SIZES  16 uint32 for each row of values: its size; without it all are of one size
 //         FORM   32 uint32, how many bytes, and the form of all rows in ASCII: a row then has only its numbers. In any
 //                   row of locators its own agent is not named: 'car'@['speed'] = $ is written @['speed'] = $
-//         ENDED  64 these have ended in this exchange
+//         ENDED  64 these have ended in this exchange; never without WHO or IDS
 //                   the values: an action for each that steps, or an observation for each mark with 32
 //                   i pairs of uint32, row and size, and then the infos: values
 using System;
@@ -52,14 +52,14 @@ namespace NetMQExample
     [Flags]
     internal enum Columns : ushort
     {
-        None = 0, Who = 1, Sizes = 16, Form = 32, Ended = 64,
+        None = 0, Who = 1, Ids = 2, Groups = 4, Masks = 8, Sizes = 16, Form = 32, Ended = 64,
     }
 
     // The marks of a row in an answer.
     [Flags]
     internal enum Marks : byte
     {
-        None = 0, Absent = 4, New = 8, Seen = 32,
+        None = 0, Terminated = 1, Truncated = 2, Absent = 4, New = 8, Wants = 16, Seen = 32,
     }
 
     /// <summary>A request, as it stands in a frame. It is read again and again, and then makes no garbage.</summary>
@@ -84,6 +84,9 @@ namespace NetMQExample
 
         /// <summary>Whether time passes by the clock.</summary>
         public bool RealTime { get; private set; }
+
+        /// <summary>Whether all begin anew, by the scene's clock.</summary>
+        public bool Resets { get; private set; }
 
         /// <summary>The options of a reset, a value, or nothing.</summary>
         public ReadOnlyMemory<byte> Options { get; private set; }
@@ -116,12 +119,15 @@ namespace NetMQExample
             Count = BitConverter.ToUInt16(bytes.Slice(2));
             Id = BitConverter.ToInt64(bytes.Slice(8));
             long options = BitConverter.ToUInt32(bytes.Slice(16)), exchange = BitConverter.ToUInt32(bytes.Slice(20));
-            if (bits > 15 || Count == 0 || BitConverter.ToUInt32(bytes.Slice(4)) != 0 || Id >> 53 != 0)
+            // Only the scene's clock goes on without a word about anybody, and all that it resets are in one bit.
+            var cannot = (bits & 4) == 0 ? Count == 0 || (bits & 16) != 0 : Count > 0 && (bits & 16) != 0;
+            if (bits > 31 || cannot || BitConverter.ToUInt32(bytes.Slice(4)) != 0 || Id >> 53 != 0)
                 throw Bad($"id {Id}, bits {bits} and {Count} sections cannot be");
             SceneClock = (bits & 4) != 0;
             HasExchange = (bits & 1) != 0;
             Autoreset = (bits & 2) != 0;
             RealTime = (bits & 8) != 0;
+            Resets = (bits & 16) != 0;
             if (exchange > 0 && !HasExchange) throw Bad("it has an exchange that its bits deny");
             var begin = Head + Up(options);
             var at = begin + Up(exchange);

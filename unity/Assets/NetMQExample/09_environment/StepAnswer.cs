@@ -18,6 +18,9 @@ namespace NetMQExample
         // A value for all, or null.
         internal byte[] Infos { get; set; }
 
+        // Whether it is one of the scene's clock.
+        internal bool SceneClock { get; set; }
+
         /// <summary>The messages of the side channels; null: there are none.</summary>
         public byte[] Exchange { get; set; }
 
@@ -41,7 +44,7 @@ namespace NetMQExample
                 throw new MessageException("too-big", $"an answer has at most {Message.LimitBytes} bytes");
             var first = frame.At(0);
             first[0] = 4;
-            first[1] = (byte)(Exchange == null ? 0 : 1);
+            first[1] = (byte)((Exchange == null ? 0 : 1) | (SceneClock ? 4 : 0));
             BitConverter.TryWriteBytes(first.Slice(2), (ushort)sections);
             BitConverter.TryWriteBytes(first.Slice(8), id);
             BitConverter.TryWriteBytes(first.Slice(16), (uint)(Infos?.Length ?? 0));
@@ -53,6 +56,7 @@ namespace NetMQExample
         {
             id = of;
             sections = 0;
+            SceneClock = false;
             Infos = null;
             Exchange = null;
             ended.Clear();
@@ -77,6 +81,13 @@ namespace NetMQExample
 
         // For each row, before anything else.
         internal void Who(int place) => to.Write((uint)place);
+
+        /// <summary>Begins a column but Who, in their order: what is written into what is returned.</summary>
+        internal FrameBuffer BeginColumn()
+        {
+            to.Pad();
+            return to;
+        }
 
         internal void Set(int row, double reward, Marks mark, Dictionary<string, object> info)
         {
