@@ -7,6 +7,14 @@ namespace UnityEngine
     [AttributeUsage(AttributeTargets.Field)]
     public sealed class SerializeField : Attribute { }
     public sealed class HideInInspector : Attribute { }
+
+    // Here nothing is read from a scene, and nobody calls it but a test.
+    public interface ISerializationCallbackReceiver
+    {
+        void OnBeforeSerialize();
+        void OnAfterDeserialize();
+    }
+
     public abstract class PropertyAttribute : Attribute { }
 
     public class TooltipAttribute : PropertyAttribute
@@ -79,6 +87,16 @@ namespace UnityEngine
         public RuntimeInitializeOnLoadMethodAttribute() { }
         public RuntimeInitializeOnLoadMethodAttribute(RuntimeInitializeLoadType loadType) => this.loadType = loadType;
         public RuntimeInitializeLoadType loadType { get; private set; }
+    }
+}
+
+namespace UnityEngine.Serialization
+{
+    [AttributeUsage(AttributeTargets.Field, AllowMultiple = true, Inherited = false)]
+    public class FormerlySerializedAsAttribute : Attribute
+    {
+        public FormerlySerializedAsAttribute(string oldName) => this.oldName = oldName;
+        public string oldName { get; }
     }
 }
 

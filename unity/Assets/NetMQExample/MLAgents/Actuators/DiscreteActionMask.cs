@@ -1,0 +1,70 @@
+// ML-Agents' shape, a mask: the choices that an agent must not take in its next decision. Python is told; it is not
+// applied to the action that Python sends.
+using System;
+using System.Collections.Generic;
+using System.Linq;
+
+namespace NetMQExample.MLAgents.Actuators
+{
+    /// <summary>Where an agent forbids choices. All are allowed before each decision.</summary>
+    public interface IDiscreteActionMask
+    {
+        /// <summary>Allows or forbids one choice of a branch.</summary>
+        void SetActionEnabled(int branch, int actionIndex, bool isEnabled);
+
+        /// <summary>Forbids some choices of a branch, as in ML-Agents 1.</summary>
+        void WriteMask(int branch, IEnumerable<int> actionIndices);
+    }
+
+    /// <summary>A byte for each choice, all branches one after the other; 1: forbidden.</summary>
+    internal sealed class DiscreteActionMask : IDiscreteActionMask
+    {
+        private readonly int[] branches;
+        private readonly byte[] forbidden;
+
+        public DiscreteActionMask(int[] branchSizes)
+        {
+            branches = branchSizes;
+            forbidden = new byte[branchSizes.Sum()];
+        }
+
+        /// <summary>Whether any choice is forbidden.</summary>
+        public bool Any => Array.IndexOf(forbidden, (byte)1) >= 0;
+
+        /// <summary>As they stand in a record.</summary>
+        public byte[] Bytes => forbidden;
+
+        public void SetActionEnabled(int branch, int actionIndex, bool isEnabled)
+        {
+            if (branch < 0 || branch >= branches.Length || actionIndex < 0 || actionIndex >= branches[branch])
+                throw new UnityAgentsException($"a mask for choice {actionIndex} of branch {branch}: Behavior Parameters "
+                    + $"has branches of {string.Join(", ", branches)} choices, and both are counted from 0");
+            forbidden[Begin(branch) + actionIndex] = (byte)(isEnabled ? 0 : 1);
+        }
+
+        public void WriteMask(int branch, IEnumerable<int> actionIndices)
+        {
+            foreach (var index in actionIndices) SetActionEnabled(branch, index, false);
+        }
+
+        /// <summary>Allows all.</summary>
+        public void Clear() => Array.Clear(forbidden, 0, forbidden.Length);
+
+        /// <exception cref="UnityAgentsException">A branch has no choice left.</exception>
+        public void Check()
+        {
+            for (var branch = 0; branch < branches.Length; branch++)
+                if (branches[branch] > 0
+                    && Array.IndexOf(forbidden, (byte)0, Begin(branch), branches[branch]) < 0)
+                    throw new UnityAgentsException(
+                        $"all choices of branch {branch} are masked: WriteDiscreteActionMask must leave one");
+        }
+
+        private int Begin(int branch)
+        {
+            var begin = 0;
+            for (var i = 0; i < branch; i++) begin += branches[i];
+            return begin;
+        }
+    }
+}

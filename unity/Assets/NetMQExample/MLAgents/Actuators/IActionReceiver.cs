@@ -1,0 +1,20 @@
+// ML-Agents' shape, parts of an agent: it gets actions, forbids choices and has a heuristic.
+namespace NetMQExample.MLAgents.Actuators
+{
+    /// <summary>A thing that acts.</summary>
+    public interface IActionReceiver
+    {
+        /// <summary>Acts.</summary>
+        void OnActionReceived(ActionBuffers actionBuffers);
+
+        /// <summary>Forbids choices for the next decision.</summary>
+        void WriteDiscreteActionMask(IDiscreteActionMask actionMask);
+    }
+
+    /// <summary>A thing that decides by itself where Python does not.</summary>
+    public interface IHeuristicProvider
+    {
+        /// <summary>Writes its decision into the buffers.</summary>
+        void Heuristic(in ActionBuffers actionBuffersOut);
+    }
+}

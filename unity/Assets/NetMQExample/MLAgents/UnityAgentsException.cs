@@ -1,0 +1,22 @@
+// ML-Agents' shape, errors: a mistake in an agent's script or in its settings.
+using System;
+
+namespace NetMQExample.MLAgents
+{
+    /// <summary>A mistake of a script, in one line that says how to mend it.</summary>
+    public class UnityAgentsException : Exception
+    {
+        /// <summary>With its line.</summary>
+        public UnityAgentsException(string message) : base(message) { }
+
+        /// <summary>With its line, and with the exception that it comes from.</summary>
+        public UnityAgentsException(string message, Exception innerException) : base(message, innerException) { }
+
+        /// <summary>Returns a number, unless it is none: Python's trainers would learn nothing from it.</summary>
+        internal static float Finite(float number, string method) =>
+            float.IsNaN(number) || float.IsInfinity(number)
+                ? throw new UnityAgentsException(
+                    FormattableString.Invariant($"{method} was given {number}: look for a division by 0 in the script"))
+                : number;
+    }
+}
