@@ -5,7 +5,8 @@
 //     dotnet run --project csharp-console -- 13 --trouble cut         sends a message without its end
 //     dotnet run --project csharp-console -- 13 --trouble throw       has a handler that throws
 using System;
-using NetMQExample.SideChannels;
+using NetMQExample.MLAgents;
+using NetMQExample.MLAgents.SideChannels;
 
 namespace NetMQExample.Terminal
 {

@@ -38,9 +38,9 @@ GUIDE = ROOT / "docs" / "guide"
 PAGE = (GUIDE / "from_ml_agents.md").read_text(encoding="utf-8")
 # Line by line, where a lookup in the page finds both halves.
 CSHARP = {
-    "using Unity.MLAgents;": "using NetMQExample;",
-    "using Unity.MLAgents.SideChannels;": "using NetMQExample.SideChannels;",
-    "using MLAgents;": "using NetMQExample;",
+    "using Unity.MLAgents;": "using NetMQExample.MLAgents;",
+    "using Unity.MLAgents.SideChannels;": "using NetMQExample.MLAgents.SideChannels;",
+    "using MLAgents;": "using NetMQExample.MLAgents;",
     "using MLAgents.SideChannels;": "using NetMQExample.RawSideChannels;",
 }
 RAW = (
@@ -236,7 +236,7 @@ def test_the_example_of_the_documentation_runs(channel, register, script, tmp_pa
     old = channel is OLD_CHANNEL
     scripts = {"World": WORLD, "MyManager": MANAGER, "StringLogSideChannel": channel, "Register": register}
     for name, text in scripts.items():
-        assert "MLAgents" not in moved(text)
+        assert "MLAgents" not in moved(text).replace("NetMQExample.MLAgents", "")
         (tmp_path / f"{name}.cs").write_text(moved(text), encoding="utf-8")
     # The scene's port is this test's own.
     script = script.replace("UnityEnvironment.DEFAULT_EDITOR_PORT", f"{port}")

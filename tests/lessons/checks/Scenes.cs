@@ -11,7 +11,8 @@
 //     dotnet checks.dll scene OwnChannels ENDPOINT
 using System;
 using System.Linq;
-using NetMQExample.SideChannels;
+using NetMQExample.MLAgents;
+using NetMQExample.MLAgents.SideChannels;
 using UnityEngine;
 using UnityPlayer;
 

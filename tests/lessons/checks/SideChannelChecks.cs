@@ -13,7 +13,8 @@ using System.Collections.Generic;
 using System.Globalization;
 using System.Linq;
 using System.Text;
-using NetMQExample.SideChannels;
+using NetMQExample.MLAgents;
+using NetMQExample.MLAgents.SideChannels;
 using UnityEngine;
 
 namespace NetMQExample.Tests

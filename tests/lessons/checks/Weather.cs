@@ -1,6 +1,6 @@
 using System;
-using NetMQExample;
-using NetMQExample.SideChannels;
+using NetMQExample.MLAgents;
+using NetMQExample.MLAgents.SideChannels;
 using UnityEngine;
 
 public sealed class WeatherChannel : SideChannel

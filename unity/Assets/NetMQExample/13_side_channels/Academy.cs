@@ -1,8 +1,8 @@
 // Lesson 13, where a scene finds its parameters and statistics: under the names that ML-Agents has for them.
 using System;
-using NetMQExample.SideChannels;
+using NetMQExample.MLAgents.SideChannels;
 
-namespace NetMQExample
+namespace NetMQExample.MLAgents
 {
     /// <summary>The channels that every scene has.</summary>
     public sealed class Academy : IDisposable

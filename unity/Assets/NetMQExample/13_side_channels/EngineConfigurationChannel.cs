@@ -6,7 +6,7 @@ using System;
 using System.Globalization;
 using System.Linq;
 
-namespace NetMQExample.SideChannels
+namespace NetMQExample.MLAgents.SideChannels
 {
     /// <summary>Which setting.</summary>
     public enum ConfigurationType

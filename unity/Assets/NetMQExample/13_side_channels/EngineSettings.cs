@@ -3,7 +3,7 @@
 // Use: SideChannelBehaviour.cs gives it to the academy.
 using UnityEngine;
 
-namespace NetMQExample.SideChannels
+namespace NetMQExample.MLAgents.SideChannels
 {
     /// <summary>Sets what EngineConfigurationChannel hears of. On the main thread.</summary>
     public static class EngineSettings

@@ -7,9 +7,9 @@
 using System;
 using System.Collections.Generic;
 using System.Linq;
-using NetMQExample.SideChannels;
+using NetMQExample.MLAgents.SideChannels;
 
-namespace NetMQExample
+namespace NetMQExample.MLAgents
 {
     /// <summary>The parameters that came, each a number or a sampler.</summary>
     public sealed class EnvironmentParameters : SideChannel

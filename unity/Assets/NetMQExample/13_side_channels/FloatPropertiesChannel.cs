@@ -5,7 +5,7 @@ using System;
 using System.Collections.Generic;
 using System.Linq;
 
-namespace NetMQExample.SideChannels
+namespace NetMQExample.MLAgents.SideChannels
 {
     /// <summary>Numbers by name.</summary>
     public class FloatPropertiesChannel : SideChannel

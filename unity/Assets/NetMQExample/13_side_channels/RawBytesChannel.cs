@@ -4,7 +4,7 @@
 using System;
 using System.Collections.Generic;
 
-namespace NetMQExample.SideChannels
+namespace NetMQExample.MLAgents.SideChannels
 {
     /// <summary>Messages as they are.</summary>
     public class RawBytesChannel : SideChannel

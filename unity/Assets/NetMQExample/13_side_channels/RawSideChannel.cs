@@ -2,12 +2,12 @@
 //
 // The exchange is the same, and such a channel talks to any other. Only a text had no length in front of it then: it
 // was the whole message. A class from that time says `using NetMQExample.RawSideChannels`.
-using NetMQExample.SideChannels;
+using NetMQExample.MLAgents.SideChannels;
 
 namespace NetMQExample.RawSideChannels
 {
     /// <summary>One conversation in bytes.</summary>
-    public abstract class SideChannel : NetMQExample.SideChannels.SideChannel
+    public abstract class SideChannel : NetMQExample.MLAgents.SideChannels.SideChannel
     {
         internal override void ProcessMessage(byte[] message) => OnMessageReceived(message);
 

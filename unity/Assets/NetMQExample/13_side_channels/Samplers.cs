@@ -6,7 +6,7 @@ using System;
 using System.Collections.Generic;
 using System.Linq;
 
-namespace NetMQExample.SideChannels
+namespace NetMQExample.MLAgents.SideChannels
 {
     /// <summary>Makes samplers: functions that give another number each time.</summary>
     public static class Samplers

@@ -3,12 +3,13 @@
 //     public class StringLogChannel : SideChannel …
 //     SideChannelManager.RegisterSideChannel(new StringLogChannel());
 //
-// The names are ML-Agents': a channel class that was written for it works here, with `using NetMQExample.SideChannels`
-// in place of `using Unity.MLAgents.SideChannels`. The Python side is side_channel.py.
+// The names are ML-Agents': a channel class that was written for it works here, with
+// `using NetMQExample.MLAgents.SideChannels` in place of `using Unity.MLAgents.SideChannels`. The Python side is
+// side_channel.py.
 using System;
 using System.Collections.Generic;
 
-namespace NetMQExample.SideChannels
+namespace NetMQExample.MLAgents.SideChannels
 {
     /// <summary>One conversation. Derive from it, and give it an id that no other has.</summary>
     public abstract class SideChannel

@@ -7,7 +7,7 @@ using System.Collections.Generic;
 using System.Threading;
 using UnityEngine;
 
-namespace NetMQExample.SideChannels
+namespace NetMQExample.MLAgents.SideChannels
 {
     /// <summary>One connection for all channels of the scene.</summary>
     public abstract class SideChannelBehaviour : NetworkBehaviour

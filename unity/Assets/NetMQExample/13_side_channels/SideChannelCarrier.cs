@@ -10,7 +10,7 @@ using System.Threading;
 using NetMQ;
 using NetMQ.Sockets;
 
-namespace NetMQExample.SideChannels
+namespace NetMQExample.MLAgents.SideChannels
 {
     /// <summary>Make it, use it and dispose it on one thread, but not on Unity's main thread, because receiving
     /// waits.</summary>

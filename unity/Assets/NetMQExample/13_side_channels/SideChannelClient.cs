@@ -5,7 +5,7 @@ using System.Collections.Generic;
 using System.Threading;
 using UnityEngine;
 
-namespace NetMQExample.SideChannels
+namespace NetMQExample.MLAgents.SideChannels
 {
     /// <summary>A number of rounds.</summary>
     [AddComponentMenu("NetMQ Example/13 Side Channel Client")]

@@ -10,15 +10,18 @@ using System.IO;
 using System.Linq;
 using System.Text;
 
-namespace NetMQExample.SideChannels
+namespace NetMQExample.MLAgents
 {
-    /// <summary>An error in a message, a channel or a setting.</summary>
+    /// <summary>An error in a message, a channel, a setting or an agent.</summary>
     public sealed class UnityAgentsException : Exception
     {
         /// <summary>With the reason.</summary>
         public UnityAgentsException(string message) : base(message) { }
     }
+}
 
+namespace NetMQExample.MLAgents.SideChannels
+{
     /// <summary>Read its values in the order in which they were written.</summary>
     public sealed class IncomingMessage : IDisposable
     {

@@ -7,7 +7,7 @@ using System.Collections.Generic;
 using System.Diagnostics;
 using System.Linq;
 
-namespace NetMQExample.SideChannels
+namespace NetMQExample.MLAgents.SideChannels
 {
     /// <summary>A number of rounds. For one thread, in Unity the main thread.</summary>
     public sealed class SideChannelRounds : IDisposable

@@ -4,7 +4,7 @@
 //
 // So what Python sets before a step is there in that step, and what the scene records in it comes with its state.
 // Records.cs says where it stands. The Python side is scene/side_channels.py.
-namespace NetMQExample.SideChannels
+namespace NetMQExample.MLAgents.SideChannels
 {
     /// <summary>Around a simulator, whose requests and answers then carry this program's side channels.</summary>
     public sealed class SideChannelSimulator : SimulatorDecorator

@@ -4,9 +4,9 @@
 //
 // Bytes: string key, float32 value, int32 how to aggregate. The Python side is stats_side_channel.py.
 using System;
-using NetMQExample.SideChannels;
+using NetMQExample.MLAgents.SideChannels;
 
-namespace NetMQExample
+namespace NetMQExample.MLAgents
 {
     /// <summary>How to combine the values of one key.</summary>
     public enum StatAggregationMethod

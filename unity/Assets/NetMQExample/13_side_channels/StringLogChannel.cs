@@ -3,7 +3,7 @@
 // ML-Agents' documentation has such a channel, with this id. The Python side is in server.py.
 using System;
 
-namespace NetMQExample.SideChannels
+namespace NetMQExample.MLAgents.SideChannels
 {
     /// <summary>Lines of text.</summary>
     public sealed class StringLogChannel : SideChannel

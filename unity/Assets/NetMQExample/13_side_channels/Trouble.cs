@@ -6,7 +6,7 @@
 using System;
 using Stopwatch = System.Diagnostics.Stopwatch;
 
-namespace NetMQExample.SideChannels
+namespace NetMQExample.MLAgents.SideChannels
 {
     /// <summary>Many messages that are wrong must not fill a disk. For one thread, in Unity the main thread.</summary>
     public sealed class Trouble

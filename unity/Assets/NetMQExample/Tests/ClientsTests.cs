@@ -8,7 +8,7 @@ using System.Text;
 using System.Text.RegularExpressions;
 using System.Threading;
 using NetMQ;
-using NetMQExample.SideChannels;
+using NetMQExample.MLAgents.SideChannels;
 using NUnit.Framework;
 using UnityEngine;
 using UnityEngine.TestTools;
