@@ -10,16 +10,6 @@ using System.IO;
 using System.Linq;
 using System.Text;
 
-namespace NetMQExample.MLAgents
-{
-    /// <summary>An error in a message, a channel, a setting or an agent.</summary>
-    public sealed class UnityAgentsException : Exception
-    {
-        /// <summary>With the reason.</summary>
-        public UnityAgentsException(string message) : base(message) { }
-    }
-}
-
 namespace NetMQExample.MLAgents.SideChannels
 {
     /// <summary>Read its values in the order in which they were written.</summary>

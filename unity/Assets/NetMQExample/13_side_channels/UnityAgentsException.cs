@@ -1,4 +1,4 @@
-// ML-Agents' shape, errors: a mistake in an agent's script or in its settings.
+// Lesson 13, mistakes in a message, a channel or a setting, and in an agent of ML-Agents' shape.
 using System;
 
 namespace NetMQExample.MLAgents
