@@ -20,7 +20,7 @@ pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9
 import numpy as np
 from gymnasium.spaces import Box, Dict, Discrete, MultiDiscrete, Text
 
-from netmq_example.mlagents_envs.base_env import ActionTuple, DecisionStep, ObservationSpec, TerminalStep
+from netmq_example.mlagents_envs.base_env import ActionTuple, DecisionStep, TerminalStep
 from netmq_example.mlagents_envs.environment import UnityEnvironment
 from netmq_example.mlagents_envs.exception import (
     UnityActionException,
@@ -330,7 +330,7 @@ def test_what_is_seen_and_done_has_its_names(corridor):
     (name,) = env.get_behavior_names()
     assert (name, list(env.behavior_specs)) == ("Corridor?team=0", [name])
     spec = env.behavior_specs[name]
-    assert spec.observation_specs == [ObservationSpec((2,), "done"), ObservationSpec((), "step")]
+    assert [(one.name, one.shape) for one in spec.observation_specs] == [("done", (2,)), ("step", ())]
     assert spec.action_spec == (2, ())
     assert spec.action_spec.is_continuous() and not spec.action_spec.is_discrete()
     now, over = env.get_steps(name)
@@ -451,7 +451,7 @@ def test_a_build_is_launched_and_once_more_when_it_is_lost(tmp_path):
         env.reset()
         (name,) = env.get_behavior_names()
         assert name == "Ball?team=0"
-        assert env.behavior_specs[name].observation_specs == [ObservationSpec((1,), "observation")]
+        assert env.behavior_specs[name].observation_shapes == [(1,)]
         env.env.simulators.process.kill()
         env.env.simulators.process.wait()
         with pytest.raises(UnityCommunicatorStoppedException, match=r"^the simulator is lost: the simulator is gone; "):

@@ -38,7 +38,9 @@ from netmq_example.mlagents_envs.base_env import (
     BehaviorName,
     BehaviorSpec,
     DecisionSteps,
+    DimensionProperty,
     ObservationSpec,
+    ObservationType,
     TerminalSteps,
 )
 from netmq_example.mlagents_envs.exception import (
@@ -117,7 +119,7 @@ class UnityEnvironment:
             seen, _ = self.env.reset(seed=self.seed)
         self.seed, self.over, self.steps = None, None, 0
         self.agent_id += 1
-        self.now = DecisionSteps(*self.one(seen, 0.0))
+        self.now = self.decisions(seen, 0.0)
 
     def step(self) -> None:
         if self.now is None:
@@ -132,10 +134,11 @@ class UnityEnvironment:
                 f"the simulator is lost: {info['lost']}; reset waits for another one"
             )
         self.steps += 1
-        self.now = DecisionSteps(*self.one(seen, reward))
+        self.now = self.decisions(seen, reward)
         interrupted = not terminated and (truncated or self.steps == self.max_episode_steps)
         if terminated or interrupted:
-            over = TerminalSteps(*self.one(seen, reward), np.array([interrupted]))
+            seen, rewards, ids = self.one(seen, reward)
+            over = TerminalSteps(seen, rewards, np.array([interrupted]), ids, np.zeros(1, int), np.zeros(1))
             self.reset()
             self.over = over
 
@@ -149,8 +152,13 @@ class UnityEnvironment:
         except Lost as error:
             raise UnityCommunicatorStoppedException(f"the simulator is lost: {error}") from None
         except OSError as error:
-            kind = UnityEnvironmentException if self.launched else UnityWorkerInUseException
-            raise kind(str(error)) from None
+            if self.launched:
+                raise UnityEnvironmentException(str(error)) from None
+            raise UnityWorkerInUseException(0, str(error)) from None
+
+    def decisions(self, seen: Any, reward: float) -> DecisionSteps:
+        masks = [np.zeros((1, choices), bool) for choices in self.actions.discrete_branches] or None
+        return DecisionSteps(*self.one(seen, reward), masks, np.zeros(1, int), np.zeros(1))
 
     def one(self, seen: Any, reward: float) -> tuple[list[Any], Any, Any]:
         return (
@@ -163,9 +171,7 @@ class UnityEnvironment:
         self.check_name(behavior_name)
         if self.now is None:
             raise ValueError("call reset before get_steps")
-        nobody = TerminalSteps(
-            [seen[:0] for seen in self.now.obs], np.array([], np.float32), np.array([], int), np.array([], bool)
-        )
+        nobody = TerminalSteps.empty(self.behavior_specs[behavior_name])
         return self.now, self.over or nobody
 
     def set_actions(self, behavior_name: BehaviorName, action: Any) -> None:
@@ -202,7 +208,7 @@ class UnityEnvironment:
         done = np.arange(len(over) + 1) < len(over)
         max_step = np.append(over.interrupted, False)
         ids = np.append(over.agent_id, now.agent_id)
-        return BatchedStepResult(obs, np.append(over.reward, now.reward), done, max_step, ids)
+        return BatchedStepResult(obs, np.append(over.reward, now.reward), done, max_step, ids, None)
 
     def close(self) -> None:
         self.env.close()
@@ -210,7 +216,10 @@ class UnityEnvironment:
 
 def seen_specs(space: Any) -> list[ObservationSpec]:
     names = space if isinstance(space, Mapping) else ["observation"]
-    return [ObservationSpec(part.shape, name) for name, part in zip(names, parts(space), strict=True)]
+    return [
+        ObservationSpec(part.shape, (DimensionProperty.NONE,) * len(part.shape), ObservationType.DEFAULT, name)
+        for name, part in zip(names, parts(space), strict=True)
+    ]
 
 
 def parts(whole: Any) -> list[Any]:
