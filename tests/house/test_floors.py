@@ -11,7 +11,7 @@ PACKAGE = ROOT / "python" / "netmq_example"
 
 # Environments: they need what the clients and servers have, and never the other way round.
 ABOVE = {
-    *("wire", "locator", "envs", "scene", "fleet", "worlds", "video", "sb3", "mlagents_envs"),
+    *("wire", "locator", "envs", "scene", "fleet", "worlds", "video", "sb3", "mlagents_envs", "mlagents_learn"),
     *("records", "spaces", "space_bytes", "space_numbers", "trees", "split_mix", "locator_reader"),
     *("simulation", "side_channel", "environment", "base_env", "exception", "cross_entropy"),
 }

@@ -1,0 +1,58 @@
+"""Builds by their paths, as mlagents_envs.env_utils finds and starts them.
+
+    validate_environment_path("Build/Game.exe")          also on Linux: "…/Build/Game.x86_64"; None if there is none
+    process = launch_executable("Build/Game", ["-batchmode"])
+
+A script of Python is run by it.
+"""
+
+import glob
+import os
+import subprocess
+import sys
+
+from netmq_example.launch import game, start_program
+from netmq_example.mlagents_envs.exception import UnityEnvironmentException
+
+__all__ = ["get_platform", "launch_executable", "validate_environment_path"]
+
+ENDINGS = (".app", ".exe", ".x86_64", ".x86")
+
+
+def get_platform() -> str:
+    return sys.platform
+
+
+def validate_environment_path(env_path: str) -> str | None:
+    """The program of this system that a path means, whichever system's ending it has."""
+    path = stem = os.fspath(env_path).strip()
+    for ending in ENDINGS:
+        stem = stem.removesuffix(ending)
+    # The editor builds for Windows into a folder of that name.
+    inside = sorted(glob.glob(f"{glob.escape(stem)}/*.exe")) if stem else []
+    for candidate in (stem, path, *(exe for exe in inside if "UnityCrashHandler" not in exe)):
+        try:
+            return game(candidate)
+        except FileNotFoundError:
+            pass
+    return None
+
+
+def launch_words(file_name: str) -> list[str]:
+    """A build's program, or Python and a script of it."""
+    found = file_name if file_name.endswith(".py") and os.path.isfile(file_name) else None
+    if found:
+        return [sys.executable, os.path.abspath(found)]
+    program = validate_environment_path(file_name)
+    if not program:
+        raise UnityEnvironmentException(f"no game at {file_name}: neither this file, nor one with {', '.join(ENDINGS)}")
+    return [program]
+
+
+def launch_executable(file_name: str, args: list[str]) -> subprocess.Popen[bytes]:
+    """The process ends when this program does."""
+    words = launch_words(file_name)
+    try:
+        return start_program([*words, *args])
+    except OSError as error:
+        raise UnityEnvironmentException(str(error)) from None

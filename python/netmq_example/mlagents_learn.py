@@ -1,0 +1,139 @@
+"""ML-Agents' own trainer, mlagents-learn, over ZeroMQ: the kit stands in the place of its package mlagents_envs.
+
+    python -m netmq_example.mlagents_learn config.yaml --env=Build/Game --run-id=first
+    python -m netmq_example.mlagents_learn config.yaml --run-id=first                     and press Play
+
+All words are those of mlagents-learn; --env may also name a simulator's script. It needs ML-Agents' Python packages,
+and says what is missing. The page train_by_mlagents_learn.md has more.
+"""
+
+import functools
+import importlib
+import importlib.util
+import inspect
+import logging
+import pkgutil
+import sys
+import types
+from importlib import metadata
+from typing import Any
+
+from netmq_example.extras import pip_install
+
+log = logging.getLogger("netmq_example.envs")
+
+# The modules that ML-Agents imports, and how pip installs each in a version that fits to its last release.
+NEEDS = {
+    "torch": "torch>=2.1.1",
+    "numpy": "numpy<2",
+    "mlagents": "mlagents==1.1.0",
+    "mlagents_envs": "mlagents_envs==1.1.0",
+    "google.protobuf": "protobuf==3.20.3",
+    "pkg_resources": "setuptools==69.5.1",
+    "cattr": "cattrs==1.5.0",
+    "attr": "attrs",
+    "cloudpickle": "cloudpickle",
+    "h5py": "h5py",
+    "PIL": "pillow",
+    "tensorboard": "tensorboard",
+    "yaml": "pyyaml",
+}
+# The first versions with which it ends in a traceback.
+TOO_NEW = {"protobuf": (3, 21), "cattrs": (1, 7), "numpy": (2,)}
+# pip reads that these want Python 3.10, and older packages than they need.
+ALONE = {"mlagents", "mlagents_envs"}
+# Names that numpy 1.24 dropped, and that ML-Agents uses up to this version.
+DROPPED = {"float": float, "long": int}
+LAST_WITH_DROPPED = (1, 1, 0)
+
+
+def main() -> None:
+    lines = missing()
+    if lines:
+        raise SystemExit("\n".join(lines))
+    take_place()
+    learn: Any = importlib.import_module("mlagents.trainers.learn")
+    errors: Any = importlib.import_module("mlagents.trainers.exception")
+    exceptions: Any = importlib.import_module("netmq_example.mlagents_envs.exception")
+    keep_exporter(importlib.import_module("torch"))
+    try:
+        learn.main()
+    except (errors.TrainerError, exceptions.UnityException) as error:
+        raise SystemExit(f"mlagents-learn ended: {error}") from None
+
+
+def missing() -> list[str]:
+    """A line for each package that is not there, or too new, with the command that installs it."""
+    lines = [f"{module} is not installed: {install(pin)}" for module, pin in NEEDS.items() if not found(module)]
+    pins = {name(pin): pin for pin in NEEDS.values()}
+    for package, limit in TOO_NEW.items():
+        if version(package) >= limit:
+            lines.append(f"{package} {metadata.version(package)} is too new for ML-Agents: {install(pins[package])}")
+    if not lines and version("torch") < (2,) and version("numpy") >= (1, 24):
+        cure = f"set summary_freq above max_steps, or {install(NEEDS['torch'])}"
+        log.warning("this torch fails at TensorBoard's histograms with numpy 1.24 and later: %s", cure)
+    return lines
+
+
+def name(pin: str) -> str:
+    return pin.partition("=")[0].rstrip("<>")
+
+
+def install(pin: str) -> str:
+    words = ["--no-deps", "--ignore-requires-python"] if name(pin) in ALONE else []
+    return pip_install(*words, pin)
+
+
+def found(module: str) -> bool:
+    try:
+        return importlib.util.find_spec(module) is not None
+    except ModuleNotFoundError:
+        return False
+
+
+def version(package: str) -> tuple[int, ...]:
+    """Its numbers; none where it is not installed."""
+    try:
+        words = metadata.version(package).split(".")
+    except metadata.PackageNotFoundError:
+        return ()
+    return tuple(int(word) for word in words if word.isdecimal())
+
+
+def take_place() -> None:
+    """From now on mlagents_envs is the kit's, in this process; modules that only ML-Agents has stay its own.
+
+    A trainer of your own calls it before it imports mlagents, at the top of its script, which spawned workers read too.
+    """
+    own = importlib.util.find_spec("mlagents_envs")
+    if own is None or "mlagents_envs" in sys.modules:
+        raise ImportError("take_place comes before the first import of mlagents_envs, which has to be installed")
+    kit = importlib.import_module("netmq_example.mlagents_envs")
+    package = types.ModuleType("mlagents_envs", kit.__doc__)
+    vars(package)["__version__"] = vars(kit).get("__version__")
+    # Where communicator_objects and rpc_utils are, which read demonstrations.
+    package.__path__ = [*(own.submodule_search_locations or ())]
+    sys.modules["mlagents_envs"] = package
+    for each in pkgutil.walk_packages(kit.__path__, f"{kit.__name__}."):
+        module = importlib.import_module(each.name)
+        sys.modules[each.name.removeprefix("netmq_example.")] = module
+        if each.name.count(".") == 2:
+            setattr(package, each.name.rpartition(".")[2], module)
+    if version("mlagents") <= LAST_WITH_DROPPED:
+        numpy = importlib.import_module("numpy")
+        for dropped, value in DROPPED.items():
+            vars(numpy).setdefault(dropped, value)
+
+
+def keep_exporter(torch: Any) -> None:
+    """The exporter of a newer torch writes two files, in an opset that Unity does not read."""
+    if "dynamo" in inspect.signature(torch.onnx.export).parameters:
+        torch.onnx.export = functools.partial(torch.onnx.export, dynamo=False)
+
+
+if __name__ == "__mp_main__":
+    # A worker that was spawned reads this module before all others.
+    take_place()
+
+if __name__ == "__main__":
+    main()
