@@ -123,6 +123,7 @@ namespace UnityPlayer
             {
                 Time.Fixed = fixedTime;
                 ForEach(script => script.Tick("FixedUpdate"));
+                if (Physics.simulationMode == SimulationMode.FixedUpdate) Contacts.Step(Time.fixedDeltaTime);
                 Coroutine.Run(typeof(WaitForFixedUpdate));
             }
             Time.Fixed = null;
@@ -189,6 +190,7 @@ namespace UnityPlayer
             Application.SayQuitting();
             while (LoadedScene.Objects.Count > 0) LoadedScene.Remove(LoadedScene.Objects[0]);
             LoadedScene.RemoveDestroyed();
+            Contacts.Clear();
             Debug.SayRepeated();
             Application.Playing = false;
             SynchronizationContext.SetSynchronizationContext(contextBefore);
@@ -224,12 +226,13 @@ namespace UnityPlayer
         // By index, because a script may add or remove others, and because a frame should allocate nothing.
         private static void ForEach(Action<MonoBehaviour> call)
         {
-            for (var i = 0; i < LoadedScene.Objects.Count; i++)
-            {
-                var parts = LoadedScene.Objects[i].Components;
-                for (var k = 0; k < parts.Count; k++)
-                    if (parts[k] is MonoBehaviour script) call(script);
-            }
+            for (var order = 0; order < MonoBehaviour.Orders.Count; order++)
+                for (var i = 0; i < LoadedScene.Objects.Count; i++)
+                {
+                    var parts = LoadedScene.Objects[i].Components;
+                    for (var k = 0; k < parts.Count; k++)
+                        if (parts[k] is MonoBehaviour script && script.Order == MonoBehaviour.Orders[order]) call(script);
+                }
         }
 
         private static void Tell(string message, bool value) => ForEach(script => script.Tell(message, value));

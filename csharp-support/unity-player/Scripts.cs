@@ -39,7 +39,10 @@ namespace UnityPlayer
             var found = assembly.GetCustomAttributes<AssemblyMetadataAttribute>()
                 .Where(data => data.Value == "script")
                 .Select(data => data.Key.Split('/', '\\'))
-                .Select(path => (Lesson: path[0], Type: classes[path[path.Length - 1]].FirstOrDefault()))
+                // ML-Agents' shape has names of its own for what lessons have, and no lesson.
+                .Where(path => path[0] != "MLAgents")
+                .Select(path => (Lesson: path[0], Type: classes[path[path.Length - 1]]
+                    .OrderBy(type => type.Namespace?.Contains(".MLAgents") == true).FirstOrDefault()))
                 .Where(script => typeof(MonoBehaviour).IsAssignableFrom(script.Type) && !script.Type.IsAbstract
                     && !Spare.Contains(script.Type.Name))
                 .ToLookup(script => script.Lesson.Substring(0, 2), script => script.Type);

@@ -55,7 +55,9 @@ SPARE = {"RaySensor"}
 def bases() -> dict[str, tuple[str, str]]:
     """The words before each class of the package that has a base, and that base."""
     declared = r"^    public ((?:\w+ )*)class (\w+)(?:<\w+>)? : (\w+)"
-    text = "\n".join(path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.cs"))
+    # Where ML-Agents' shape has a class of the same name, a lesson's goes before it.
+    files = sorted(PACKAGE.rglob("*.cs"), key=lambda path: "MLAgents" not in path.parts)
+    text = "\n".join(path.read_text(encoding="utf-8") for path in files)
     return {name: (words, base) for words, name, base in re.findall(declared, text, re.MULTILINE)}
 
 

@@ -25,7 +25,7 @@ NOWHERE = r"error CS(?:0246|0103|0234): \D*?'(?=\w+' does not exist in the names
 NO_MEMBER = r"error CS(?:0117|1061): '(\w+)' does not contain a definition for '(\w+)'"
 # A variable that is a thread.
 THREAD = re.compile(r"\bThread\s+(\w+)|(\w+)\s*=\s*new (?:System\.Threading\.)?Thread\b")
-TYPE = r"^    public (?:\w+ )*(class|struct|enum) (\w+)(.*?)(?=^ {0,4}\w|\Z)"
+TYPE = r"^    public (?:\w+ )*(class|struct|enum|interface) (\w+)(.*?)(?=^ {0,4}\w|\Z)"
 # In the source: `public float x, y;`, `public float Range(`, and no operator.
 MEMBER = r"(?:^ {8}|[{;] )public (?!delegate|class|.* operator )[^=({;]*?(\w+(?:, \w+)*)(?:<\w+>)?(?=\W*[=({;\n])"
 

@@ -378,7 +378,7 @@ def test_the_linker_is_not_told_to_keep_all_of_netmq():
 
 def test_each_component_has_its_place_in_the_menu():
     """Add Component, NetMQ Example, by lesson; without it all lie in one row below Scripts."""
-    components = [path for path in PACKAGE.rglob("[0-9S]*/*.cs") if is_component(path.stem)]
+    components = [path for path in PACKAGE.glob("[0-9S]*/*.cs") if is_component(path.stem)]
     assert len(components) > 30
     # A link to nowhere would be worse than Unity's own page on scripts: with the package's address they all get one.
     public = "documentationUrl" in json.loads((PACKAGE / "package.json").read_text(encoding="utf-8"))

@@ -81,8 +81,13 @@ namespace UnityEngine
         internal static int Frames { get; set; }
         internal static Func<double> Clock { get; set; } = () => 0;
         public static float timeScale { get; set; } = 1;
-        // More than 0: so many frames make a second of the game's time.
-        public static int captureFramerate { get; set; }
+        // More than 0: each frame is so many seconds of the game's time, or so many frames a second.
+        public static float captureDeltaTime { get; set; }
+        public static int captureFramerate
+        {
+            get => captureDeltaTime == 0 ? 0 : (int)Math.Round(1 / captureDeltaTime);
+            set => captureDeltaTime = value == 0 ? 0 : 1f / value;
+        }
         // In FixedUpdate both are those of the step.
         public static float time => (float)Checked("get_time", Fixed ?? Now);
         public static float deltaTime =>
@@ -99,9 +104,9 @@ namespace UnityEngine
         public static float realtimeSinceStartup => (float)Checked("get_realtimeSinceStartup", Clock());
         public static int frameCount => (int)Checked("get_frameCount", Frames);
         private static double OfThisFrame =>
-            captureFramerate > 0 ? 1.0 / captureFramerate : Math.Min(Elapsed, maximumDeltaTime);
+            captureDeltaTime > 0 ? captureDeltaTime : Math.Min(Elapsed, maximumDeltaTime);
         internal static void BackToNormal() =>
-            (timeScale, captureFramerate, step, Application.targetFrameRate, QualitySettings.VSyncs) =
+            (timeScale, captureDeltaTime, step, Application.targetFrameRate, QualitySettings.VSyncs) =
                 (1, 0, 0.02f, -1, 1);
 
         private static double Checked(string api, double value)

@@ -1,5 +1,5 @@
 // Attributes speak to the inspector and the engine. The player heeds RequireComponent, DisallowMultipleComponent,
-// Min and RuntimeInitializeOnLoadMethod; the others only have to compile.
+// DefaultExecutionOrder, Min and RuntimeInitializeOnLoadMethod; the others only have to compile.
 using System;
 
 namespace UnityEngine
@@ -11,8 +11,8 @@ namespace UnityEngine
     // Here nothing is read from a scene, and nobody calls it but a test.
     public interface ISerializationCallbackReceiver
     {
-        void OnBeforeSerialize();
-        void OnAfterDeserialize();
+        public void OnBeforeSerialize();
+        public void OnAfterDeserialize();
     }
 
     public abstract class PropertyAttribute : Attribute { }
@@ -75,6 +75,13 @@ namespace UnityEngine
 
     [AttributeUsage(AttributeTargets.Class, Inherited = false)]
     public sealed class DisallowMultipleComponent : Attribute { }
+
+    [AttributeUsage(AttributeTargets.Class)]
+    public class DefaultExecutionOrder : Attribute
+    {
+        public DefaultExecutionOrder(int order) => this.order = order;
+        public int order { get; }
+    }
 
     public enum RuntimeInitializeLoadType
     {

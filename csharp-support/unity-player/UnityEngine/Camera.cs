@@ -114,6 +114,8 @@ namespace UnityEngine
         public CameraClearFlags clearFlags { get; set; } = CameraClearFlags.Skybox;
         public Color backgroundColor { get; set; } = new Color(0.19215686f, 0.3019608f, 0.4745098f, 0);
         public RenderTexture targetTexture { get; set; }
+        // The part of what it draws on; here it draws on all of a render texture.
+        public Rect rect { get; set; } = new Rect(0, 0, 1, 1);
         // A bit for each layer.
         public int cullingMask { get; set; } = -1;
 

@@ -2,6 +2,7 @@
 using System;
 using System.Collections;
 using System.Collections.Generic;
+using System.Linq;
 using System.Reflection;
 using System.Threading;
 
@@ -11,9 +12,24 @@ namespace UnityEngine
     {
         private const BindingFlags Own = BindingFlags.Instance | BindingFlags.Public | BindingFlags.NonPublic
             | BindingFlags.DeclaredOnly;
+        // What a message may bring.
+        private static readonly Type[] Messages = { typeof(bool), typeof(Collider), typeof(Collision) };
         private readonly CancellationTokenSource destroyed = new CancellationTokenSource();
         private readonly Dictionary<string, Action> messages = new Dictionary<string, Action>();
-        private bool argument, awoken, running, started;
+        private object argument;
+        private bool awoken, running, started;
+        /// <summary>Those of all scripts so far: by them a frame goes through the scripts.</summary>
+        internal static readonly List<int> Orders = new List<int> { 0 };
+        internal readonly int Order;
+
+        public MonoBehaviour()
+        {
+            Order = GetType().GetCustomAttribute<DefaultExecutionOrder>()?.order ?? 0;
+            if (Orders.Contains(Order)) return;
+            Orders.Add(Order);
+            Orders.Sort();
+        }
+
         public bool useGUILayout { get; set; } = true;
         public CancellationToken destroyCancellationToken => destroyed.Token;
         public static void print(object message) => Debug.Log(message);
@@ -96,6 +112,13 @@ namespace UnityEngine
             if (running) Send(message);
         }
 
+        /// <summary>A message of physics, such as OnTriggerEnter: one that is off gets it as well.</summary>
+        internal void Touch(string message, object value)
+        {
+            argument = value;
+            if (awoken) Send(message);
+        }
+
         /// <summary>Whether it has a method of this name that wants nothing.</summary>
         internal bool Can(string method) => Method(method, 0) != null;
 
@@ -119,22 +142,25 @@ namespace UnityEngine
         private Action Find(string message)
         {
             var method = Method(message, 0) ?? Method(message, 1);
-            if (method == null
-                || method.GetParameters().Length == 1 && method.GetParameters()[0].ParameterType != typeof(bool))
-                return null;
+            var wants = method?.GetParameters().FirstOrDefault()?.ParameterType;
+            if (method == null || wants != null && !Messages.Contains(wants)) return null;
             if (method.ReturnType == typeof(IEnumerator))
             {
                 if (message == "Start") return () => StartCoroutine((IEnumerator)method.Invoke(this, null));
                 Debug.LogError($"Script error: {GetType().Name}.{message}() can not be a coroutine.");
                 return null;
             }
-            if (method.GetParameters().Length == 0)
+            if (wants == null)
                 return method.ReturnType == typeof(void)
                     ? (Action)method.CreateDelegate(typeof(Action), this)
                     : () => method.Invoke(this, null);
-            var told = (Action<bool>)method.CreateDelegate(typeof(Action<bool>), this);
-            return () => told(argument);
+            if (wants == typeof(bool)) return Told((Action<bool>)method.CreateDelegate(typeof(Action<bool>), this));
+            return wants == typeof(Collider)
+                ? Told((Action<Collider>)method.CreateDelegate(typeof(Action<Collider>), this))
+                : Told((Action<Collision>)method.CreateDelegate(typeof(Action<Collision>), this));
         }
+
+        private Action Told<T>(Action<T> call) => () => call((T)argument);
 
         // Also what a base class has for itself.
         private MethodInfo Method(string name, int parameters)

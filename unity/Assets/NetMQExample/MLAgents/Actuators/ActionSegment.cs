@@ -1,7 +1,7 @@
 // ML-Agents' shape, a segment: the actions of one kind, which are a part of an array.
 //
 //     var steer = actionsOut.ContinuousActions;
-//     steer[0] = Input.GetAxis("Horizontal");         writes into the array, of which a segment is no copy
+//     steer[0] = 1;                     writes into the array, of which a segment is no copy
 using System;
 using System.Collections;
 using System.Collections.Generic;

@@ -17,4 +17,17 @@ namespace NetMQExample.MLAgents.Actuators
         /// <summary>Writes its decision into the buffers.</summary>
         void Heuristic(in ActionBuffers actionBuffersOut);
     }
+
+    /// <summary>A part of an agent that acts for itself. It compiles, and is not called.</summary>
+    public interface IActuator : IActionReceiver, IHeuristicProvider
+    {
+        /// <summary>Its actions.</summary>
+        ActionSpec ActionSpec { get; }
+
+        /// <summary>Its name.</summary>
+        string Name { get; }
+
+        /// <summary>An episode is over.</summary>
+        void ResetData();
+    }
 }

@@ -1,0 +1,31 @@
+// ML-Agents' shape, rays in 3D: in the plane of x and z, the one ahead along z.
+using UnityEngine;
+using UnityEngine.Serialization;
+
+namespace NetMQExample.MLAgents.Sensors
+{
+    /// <summary>Rays that meet colliders of 3D.</summary>
+    [AddComponentMenu("NetMQ Example/ML-Agents/Ray Perception Sensor 3D")]
+    public class RayPerceptionSensorComponent3D : RayPerceptionSensorComponentBase
+    {
+        [SerializeField, FormerlySerializedAs("startVerticalOffset"), Range(-10, 10), Tooltip("How much higher they begin")]
+        private float m_StartVerticalOffset;
+        [SerializeField, FormerlySerializedAs("endVerticalOffset"), Range(-10, 10), Tooltip("How much higher they end")]
+        private float m_EndVerticalOffset;
+
+        /// <summary>How much higher rays begin.</summary>
+        public float StartVerticalOffset { get => m_StartVerticalOffset; set => Set(ref m_StartVerticalOffset, value); }
+
+        /// <summary>How much higher rays end.</summary>
+        public float EndVerticalOffset { get => m_EndVerticalOffset; set => Set(ref m_EndVerticalOffset, value); }
+
+        /// <inheritdoc/>
+        public override RayPerceptionCastType GetCastType() => RayPerceptionCastType.Cast3D;
+
+        /// <inheritdoc/>
+        public override float GetStartVerticalOffset() => m_StartVerticalOffset;
+
+        /// <inheritdoc/>
+        public override float GetEndVerticalOffset() => m_EndVerticalOffset;
+    }
+}

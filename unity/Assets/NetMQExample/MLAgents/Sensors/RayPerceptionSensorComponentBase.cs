@@ -1,0 +1,119 @@
+// ML-Agents' shape, a ray sensor as a component, in 2D and in 3D. In the editor, its rays are drawn while it is selected.
+using System.Collections.Generic;
+using UnityEngine;
+using UnityEngine.Serialization;
+
+namespace NetMQExample.MLAgents.Sensors
+{
+    /// <summary>Rays for the agent above it. Its fields have ML-Agents' names.</summary>
+    public abstract class RayPerceptionSensorComponentBase : SensorComponent
+    {
+        [SerializeField, FormerlySerializedAs("sensorName"), Tooltip("Sensors are sorted by it")]
+        private string m_SensorName = "RayPerceptionSensor";
+        [SerializeField, FormerlySerializedAs("detectableTags"), Tooltip("The tags that rays tell apart")]
+        private List<string> m_DetectableTags = new List<string>();
+        [SerializeField, FormerlySerializedAs("raysPerDirection"), Range(0, 50), Tooltip("To each side of the one ahead")]
+        private int m_RaysPerDirection = 3;
+        [SerializeField, FormerlySerializedAs("maxRayDegrees"), Range(0, 180), Tooltip("From the one ahead to the last")]
+        private float m_MaxRayDegrees = 70;
+        [SerializeField, FormerlySerializedAs("sphereCastRadius"), Range(0, 10), Tooltip("How thick they are, in metres")]
+        private float m_SphereCastRadius = 0.5f;
+        [SerializeField, FormerlySerializedAs("rayLength"), Range(1, 1000), Tooltip("In metres")]
+        private float m_RayLength = 20;
+        // All but Ignore Raycast.
+        [SerializeField, FormerlySerializedAs("rayLayerMask"), Tooltip("The layers that they meet")]
+        private LayerMask m_RayLayerMask = -5;
+        [SerializeField, FormerlySerializedAs("observationStacks"), Range(1, 50), Tooltip("How many go together")]
+        private int m_ObservationStacks = 1;
+        [SerializeField, Tooltip("Ahead, right, left, …; off: from the right to the left")]
+        private bool m_AlternatingRayOrder = true;
+        [SerializeField, Tooltip("Is kept and not used")] private bool m_UseBatchedRaycasts;
+        [SerializeField, Tooltip("Of a ray that has met something near")] internal Color rayHitColor = Color.red;
+        [SerializeField, Tooltip("Of a ray that has met nothing")] internal Color rayMissColor = Color.white;
+
+        /// <summary>Its name.</summary>
+        public string SensorName { get => m_SensorName; set => m_SensorName = value; }
+
+        /// <summary>The tags that rays tell apart.</summary>
+        public List<string> DetectableTags { get => m_DetectableTags; set => m_DetectableTags = value; }
+
+        /// <summary>How many rays there are to each side of the one ahead.</summary>
+        public int RaysPerDirection { get => m_RaysPerDirection; set => m_RaysPerDirection = value; }
+
+        /// <summary>The angle from the ray ahead to the last one.</summary>
+        public float MaxRayDegrees { get => m_MaxRayDegrees; set => Set(ref m_MaxRayDegrees, value); }
+
+        /// <summary>How thick rays are, in metres.</summary>
+        public float SphereCastRadius { get => m_SphereCastRadius; set => Set(ref m_SphereCastRadius, value); }
+
+        /// <summary>How long rays are, in metres.</summary>
+        public float RayLength { get => m_RayLength; set => Set(ref m_RayLength, value); }
+
+        /// <summary>The layers that rays meet.</summary>
+        public LayerMask RayLayerMask { get => m_RayLayerMask; set => Set(ref m_RayLayerMask, value); }
+
+        /// <summary>How many observations go together.</summary>
+        public int ObservationStacks { get => m_ObservationStacks; set => m_ObservationStacks = value; }
+
+        /// <summary>Whether the order is ahead, right, left, … rather than from the right to the left.</summary>
+        public bool AlternatingRayOrder { get => m_AlternatingRayOrder; set => m_AlternatingRayOrder = value; }
+
+        /// <summary>Nothing here depends on it.</summary>
+        public bool UseBatchedRaycasts { get => m_UseBatchedRaycasts; set => m_UseBatchedRaycasts = value; }
+
+        /// <summary>The sensor, once the agent is enabled.</summary>
+        public RayPerceptionSensor RaySensor { get; private set; }
+
+        /// <summary>2D or 3D.</summary>
+        public abstract RayPerceptionCastType GetCastType();
+
+        /// <summary>How much higher rays begin.</summary>
+        public virtual float GetStartVerticalOffset() => 0;
+
+        /// <summary>How much higher rays end.</summary>
+        public virtual float GetEndVerticalOffset() => 0;
+
+        /// <inheritdoc/>
+        public override ISensor[] CreateSensors()
+        {
+            RaySensor = new RayPerceptionSensor(m_SensorName, GetRayPerceptionInput());
+            return new[] { StackingSensor.Of(RaySensor, m_ObservationStacks) };
+        }
+
+        /// <summary>Its rays, as they are set now.</summary>
+        public RayPerceptionInput GetRayPerceptionInput() => new RayPerceptionInput
+        {
+            RayLength = m_RayLength,
+            DetectableTags = m_DetectableTags,
+            Angles = RayPerceptionInput.AnglesOf(m_RaysPerDirection, m_MaxRayDegrees, m_AlternatingRayOrder),
+            StartOffset = GetStartVerticalOffset(),
+            EndOffset = GetEndVerticalOffset(),
+            CastRadius = m_SphereCastRadius,
+            Transform = transform,
+            CastType = GetCastType(),
+            LayerMask = m_RayLayerMask,
+            UseBatchedRaycasts = m_UseBatchedRaycasts,
+        };
+
+        // For a setting that may change in Play.
+        private protected void Set<T>(ref T setting, T value)
+        {
+            setting = value;
+            RaySensor?.SetRayPerceptionInput(GetRayPerceptionInput());
+        }
+
+        private void OnDrawGizmosSelected()
+        {
+            var rays = RaySensor?.RayPerceptionOutput.RayOutputs
+                ?? RayPerceptionSensor.Perceive(GetRayPerceptionInput()).RayOutputs;
+            foreach (var ray in rays)
+            {
+                var way = (ray.EndPositionWorld - ray.StartPositionWorld) * ray.HitFraction;
+                Gizmos.color = Color.Lerp(rayHitColor, rayMissColor, ray.HitFraction * ray.HitFraction);
+                Gizmos.DrawRay(ray.StartPositionWorld, way);
+                if (ray.HasHit)
+                    Gizmos.DrawWireSphere(ray.StartPositionWorld + way, Mathf.Max(ray.ScaledCastRadius, 0.05f));
+            }
+        }
+    }
+}

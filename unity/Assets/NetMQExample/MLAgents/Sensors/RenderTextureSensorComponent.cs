@@ -1,0 +1,57 @@
+// ML-Agents' shape, a render texture's sensor as a component.
+using System;
+using UnityEngine;
+using UnityEngine.Serialization;
+
+namespace NetMQExample.MLAgents.Sensors
+{
+    /// <summary>Pictures for the agent above it. Its fields have ML-Agents' names.</summary>
+    [AddComponentMenu("NetMQ Example/ML-Agents/Render Texture Sensor")]
+    public class RenderTextureSensorComponent : SensorComponent, IDisposable
+    {
+        [SerializeField, FormerlySerializedAs("renderTexture")] private RenderTexture m_RenderTexture;
+        [SerializeField, FormerlySerializedAs("sensorName"), Tooltip("Sensors are sorted by it")]
+        private string m_SensorName = "RenderTextureSensor";
+        [SerializeField, FormerlySerializedAs("grayscale"), Tooltip("One channel in place of three")]
+        private bool m_Grayscale;
+        [SerializeField, Range(1, 50), Tooltip("How many go together")] private int m_ObservationStacks = 1;
+        [SerializeField, FormerlySerializedAs("compression"), Tooltip("Is kept and not used")]
+        private SensorCompressionType m_Compression = SensorCompressionType.PNG;
+
+        private RenderTextureSensor sensor;
+
+        /// <summary>The texture.</summary>
+        public RenderTexture RenderTexture { get => m_RenderTexture; set => m_RenderTexture = value; }
+
+        /// <summary>Its name.</summary>
+        public string SensorName { get => m_SensorName; set => m_SensorName = value; }
+
+        /// <summary>Whether there is one channel in place of three.</summary>
+        public bool Grayscale { get => m_Grayscale; set => m_Grayscale = value; }
+
+        /// <summary>How many pictures go together.</summary>
+        public int ObservationStacks { get => m_ObservationStacks; set => m_ObservationStacks = value; }
+
+        /// <summary>Nothing here depends on it.</summary>
+        public SensorCompressionType CompressionType { get => m_Compression; set => m_Compression = value; }
+
+        /// <inheritdoc/>
+        public override ISensor[] CreateSensors()
+        {
+            if (m_RenderTexture == null)
+                throw new UnityAgentsException($"{name}: its Render Texture Sensor has no Render Texture: give it one");
+            Dispose();
+            sensor = new RenderTextureSensor(m_RenderTexture, m_Grayscale, m_SensorName, m_Compression);
+            return new[] { StackingSensor.Of(sensor, m_ObservationStacks) };
+        }
+
+        /// <summary>Destroys the texture of its sensor.</summary>
+        public void Dispose()
+        {
+            sensor?.Dispose();
+            sensor = null;
+        }
+
+        private void OnDestroy() => Dispose();
+    }
+}
