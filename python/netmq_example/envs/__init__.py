@@ -13,11 +13,11 @@ A class is imported when it is first used, as in `from netmq_example.envs import
 several agents need pettingzoo. A type checker, which imports nothing, finds them as well.
 """
 
+import contextlib
 import warnings
 from typing import TYPE_CHECKING, Any
 
 from netmq_example.doors import door
-from netmq_example.extras import without
 
 if TYPE_CHECKING:
     from netmq_example.envs.gym_env import UnityGymEnv
@@ -26,10 +26,10 @@ if TYPE_CHECKING:
     from netmq_example.envs.side_channels import carry
     from netmq_example.envs.vector_env import UnityVectorEnv
 
-try:
+registration: Any = None
+# ML-Agents' classes need modules of this package, and by the scene's clock no gymnasium. Others name what they lack.
+with contextlib.suppress(ModuleNotFoundError):
     from gymnasium.envs import registration
-except ImportError as error:
-    raise without(error) from None
 
 __all__ = ["PlainSpaces", "UnityAECEnv", "UnityGymEnv", "UnityParallelEnv", "UnityVectorEnv", "carry", "register"]
 UNITY = {"entry_point": f"{__name__}:UnityGymEnv", "vector_entry_point": f"{__name__}:UnityVectorEnv"}
@@ -43,7 +43,7 @@ ENVIRONMENTS: dict[str, dict[str, Any]] = {
 def register() -> None:
     """Called by the import of this module; once more it changes nothing."""
     for name, words in ENVIRONMENTS.items():
-        if name not in registration.registry:
+        if registration and name not in registration.registry:
             registration.register(name, **words)
 
 

@@ -148,6 +148,8 @@ class Connection(OneProcess):
 def name_of(request: Any) -> str:
     """As a person calls it."""
     if isinstance(request, Record):
+        if request.bits & records.SCENE_CLOCK:
+            return "reset" if request.bits & records.ANEW else "step"
         return "step" if request.has(records.STEP) or request.has(records.LAST) else "reset"
     return str(request.kind)
 
@@ -162,7 +164,9 @@ def checked(request: Any, answer: Any) -> Any:
     if isinstance(request, Record):
         if not isinstance(answer, Record):
             raise MessageError("wrong-kind", f"{answer.kind!a:.40} is no answer to {name_of(request)}")
-        for asked, told in itertools.zip_longest(request.sections, answer.sections[: len(request.sections)]):
+        # By the scene's clock it is the scene that says whose turn it is.
+        asked_of = [] if request.bits & records.SCENE_CLOCK else request.sections
+        for asked, told in itertools.zip_longest(asked_of, answer.sections[: len(asked_of)]):
             if told is None or told.kind != asked.kind or len(told.marks) != len(asked.marks) or told.who:
                 raise MessageError("wrong-agents", "the answer is not of those that were asked")
     elif not isinstance(answer, Message) or answer.kind != ANSWERS.get(request.kind, answer.kind):

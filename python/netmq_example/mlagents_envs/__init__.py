@@ -3,5 +3,8 @@
     from netmq_example.mlagents_envs.environment import UnityEnvironment
     from netmq_example.mlagents_envs.side_channel import IncomingMessage, OutgoingMessage, SideChannel
 
-ML-Agents has no carrier and no unity_channels: these are the kit's.
+ML-Agents has no carrier, clocks, link and unity_channels: these are the kit's.
 """
+
+# That of ML-Agents whose names these are.
+__version__ = "1.1.0"

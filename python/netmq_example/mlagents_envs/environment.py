@@ -1,4 +1,4 @@
-"""ML-Agents' low-level API over a scene's only agent: mlagents_envs.environment, with its names.
+"""ML-Agents' low-level API: mlagents_envs.environment, with its names.
 
     env = UnityEnvironment(side_channels=[log])          prints: waiting for a simulator on tcp://…: press Play
     env.reset()
@@ -7,236 +7,282 @@
     env.set_actions(name, ActionTuple(discrete=[[1]]))   for the next step; without it: zeros
     env.step()
 
-As there, the step that ends an episode begins the next one, whose agent has another id. The simulator's action is a
-Box, Discrete or MultiDiscrete, its observation one array, or a Dict of arrays. It needs gymnasium.
+A scene of ML-Agents' shape has its own clock: a step goes on until an agent wants an action, or has ended. All other
+scenes, those of lessons 09 to 11 in C# or Python, go by Python's: all agents act in each step, and whoever ends begins
+anew within it; this needs gymnasium. In both an agent keeps its id over its episodes.
 """
 
-import contextlib
 import os
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from netmq_example.extras import without
-
-try:
-    import numpy as np
-    from gymnasium import spaces
-except ImportError as error:
-    raise without(error) from None
+import numpy as np
 
 from netmq_example import check
-from netmq_example.envs.gym_env import UnityGymEnv
-from netmq_example.envs.remote import Remote
-from netmq_example.envs.side_channels import carry
-from netmq_example.errors import Lost
-from netmq_example.messages import Message, take
 from netmq_example.mlagents_envs.base_env import (
-    ActionSpec,
     ActionTuple,
     AgentId,
+    BaseEnv,
     BatchedStepResult,
+    BehaviorMapping,
     BehaviorName,
     BehaviorSpec,
     DecisionSteps,
-    DimensionProperty,
-    ObservationSpec,
-    ObservationType,
     TerminalSteps,
 )
+from netmq_example.mlagents_envs.clock import Clock, Turn
 from netmq_example.mlagents_envs.exception import (
+    NoRequest,
+    NoSteps,
     UnityActionException,
     UnityCommunicatorStoppedException,
     UnityEnvironmentException,
+    UnityException,
     UnityTimeOutException,
-    UnityWorkerInUseException,
 )
-from netmq_example.mlagents_envs.side_channel.side_channel import Channel
+from netmq_example.mlagents_envs.side_channel import DefaultTrainingAnalyticsSideChannel
+from netmq_example.mlagents_envs.side_channel.side_channel import SideChannel
 from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
 
-__all__ = ["UnityEnvironment"]
+if TYPE_CHECKING:
+    pass
+
+__all__ = [
+    "ActionTuple",
+    "AgentId",
+    "BaseEnv",
+    "BehaviorMapping",
+    "BehaviorName",
+    "BehaviorSpec",
+    "DecisionSteps",
+    "DefaultTrainingAnalyticsSideChannel",
+    "SideChannel",
+    "SideChannelManager",
+    "TerminalSteps",
+    "UnityActionException",
+    "UnityCommunicatorStoppedException",
+    "UnityEnvironment",
+    "UnityEnvironmentException",
+    "UnityTimeOutException",
+]
+
+# Of ML-Agents' two halves, which trainers show.
+API_VERSION = "1.5.0"
 
 
-class OneAgent(UnityGymEnv):
-    """An environment that takes any simulator's name."""
+class Capabilities(NamedTuple):
+    """With the names of ML-Agents' message: the kit has no analytics."""
 
-    def find(self, remote: Remote) -> None:
-        def accept(hello: Message) -> None:
-            remote.name = take(hello.values, "name", str)
-            Remote.accept(remote, hello)
+    baseRLCapabilities: bool = True
+    concatenatedPngObservations: bool = True
+    compressedChannelMapping: bool = True
+    hybridActions: bool = True
+    trainingAnalytics: bool = False
+    variableLengthObservation: bool = True
+    multiAgentGroups: bool = True
 
-        # Also for the simulators that come after the first one.
-        vars(remote)["accept"] = accept
-        super().find(remote)
 
+class UnityEnvironment(BaseEnv):
+    """`file_name` is a build to launch, on a free port; without it Play is waited for, on `base_port` + `worker_id`.
 
-class UnityEnvironment:
-    """`file_name` is a build to launch, on a free port; without it Play is waited for, `timeout_wait` seconds.
+    `timeout_wait` seconds may pass until a simulator is there, and in each step. A step whose simulator is lost raises
+    UnityCommunicatorStoppedException, and the next reset waits for another one, or launches it. A step that Ctrl-C
+    has interrupted is done to its end by the next one.
 
-    `max_episode_steps` is the agent's Max Step: the step with that number ends its episode, interrupted. A step whose
-    simulator is lost raises UnityCommunicatorStoppedException, and the next reset waits for another one, or launches
-    it. UnityTimeOutException says that none came, MessageError what one refuses.
+    `channels_first=False` gives pictures as [height, width, channels], as ML-Agents had them before 2024. By Python's
+    clock `max_episode_steps` is the agents' Max Step: the step with that number ends an episode, interrupted; and the
+    two spaces are those of agents by attributes whose scene says none.
     """
 
-    # Lesson 09's. Another base_port is one that the component in Unity has to have, too.
-    DEFAULT_EDITOR_PORT = 5559
+    API_VERSION = API_VERSION
+    DEFAULT_EDITOR_PORT = 5004
+    BASE_ENVIRONMENT_PORT = 5005
 
     def __init__(
         self,
-        file_name: str | None = None,
+        file_name: str | os.PathLike[str] | None = None,
         worker_id: int = 0,
         base_port: int | None = None,
         seed: int = 0,
         no_graphics: bool = False,
+        no_graphics_monitor: bool = False,
         timeout_wait: float = 60,
         additional_args: Sequence[str] | None = None,
-        side_channels: Sequence[Channel] | None = None,
+        side_channels: Sequence[Any] | None = None,
+        log_folder: str | os.PathLike[str] | None = None,
+        num_areas: int = 1,
+        *,
         max_episode_steps: int | None = None,
+        channels_first: bool = True,
+        observation_space: Any = None,
+        action_space: Any = None,
     ) -> None:
-        port = (self.DEFAULT_EDITOR_PORT if base_port is None else base_port) + worker_id
-        where: dict[str, Any] = {"endpoint": f"tcp://127.0.0.1:{port}"}
-        self.launched = file_name is not None
-        if file_name is not None:
+        if check.count("num_areas", num_areas) > 1:
+            raise UnityEnvironmentException(
+                f"num_areas={num_areas}: nothing copies areas here, put them into the scene"
+            )
+        self._worker_id = check.count("worker_id", worker_id, least=0)
+        self._no_graphics = no_graphics or (no_graphics_monitor and worker_id != 0)
+        self._log_folder = log_folder
+        self._additional_args = [*(additional_args or ())]
+        self._side_channel_manager = SideChannelManager(
+            # Nothing is told to Unity's analytics.
+            [one for one in side_channels or () if one.channel_id != DefaultTrainingAnalyticsSideChannel.CHANNEL_ID]
+        )
+        where: dict[str, Any] = {"wait": timeout_wait, "timeout": timeout_wait}
+        if file_name is None:
+            port = self.DEFAULT_EDITOR_PORT if base_port is None else base_port
+            where["endpoint"] = f"tcp://127.0.0.1:{port + worker_id}"
+        else:
             check.instance("file_name", file_name, str, os.PathLike)
-            where = {"launch": [file_name, *["-batchmode", "-nographics"] * no_graphics, *(additional_args or ())]}
-        # 0 is no limit, as for Max Step.
-        self.max_episode_steps = check.count("max_episode_steps", max_episode_steps or 0, least=0)
-        with self.naming():
-            self.env = OneAgent("Agent", wait=timeout_wait, **where)
-        if side_channels:
-            carry(self.env, SideChannelManager([*side_channels]))
-        self.seed: int | None = seed
-        self.name = f"{self.env.remote.name}?team=0"
-        self.actions = action_spec(self.env.action_space)
-        self.behavior_specs = {self.name: BehaviorSpec(seen_specs(self.env.observation_space), self.actions)}
-        self.action = self.actions.empty_action(1)
-        self.agent_id = -1
-        self.steps = 0
-        self.now: DecisionSteps | None = None
-        self.over: TerminalSteps | None = None
+            where["launch"] = [file_name, *self._executable_args()]
+        words = {
+            "seed": check.count("seed", seed, least=-(2**31)),
+            # 0 is no limit, as for Max Step.
+            "limit": check.count("max_episode_steps", max_episode_steps or 0, least=0),
+            "channels_first": channels_first,
+            "given": (observation_space, action_space),
+        }
+        # Not before it is needed: its modules register environments with Gymnasium.
+        from netmq_example.mlagents_envs.link import Link
+
+        self._link: Link = Link(self._side_channel_manager, where, self._worker_id, words)
+        self._clock: Clock = self._link.start(self)
+        self.academy_capabilities = Capabilities()
+        self._actions: dict[BehaviorName, ActionTuple] = {}
+        # Those whose arrays are not the caller's.
+        self._own: set[BehaviorName] = set()
+        self._begun = False
+
+    def _executable_args(self) -> list[str]:
+        """The words of a build; --endpoint follows them."""
+        words = ["-nographics", "-batchmode"] if self._no_graphics else []
+        if self._log_folder and "-logfile" not in [str(word).lower() for word in self._additional_args]:
+            words += ["-logFile", os.path.join(self._log_folder, f"Player-{self._worker_id}.log")]
+        return words + self._additional_args
+
+    @property
+    def _loaded(self) -> bool:
+        return not self._link.simulators.connection.closed
+
+    @property
+    def _port(self) -> int:
+        return int(self._link.simulators.connection.endpoint.rpartition(":")[2])
+
+    @property
+    def _process(self) -> Any:
+        return self._link.simulators.process
+
+    @property
+    def _env_specs(self) -> dict[BehaviorName, BehaviorSpec]:
+        return self._clock.specs
+
+    @property
+    def behavior_specs(self) -> Mapping[BehaviorName, BehaviorSpec]:
+        return BehaviorMapping(self._clock.specs)
 
     def reset(self) -> None:
-        with self.naming():
-            seen, _ = self.env.reset(seed=self.seed)
-        self.seed, self.over, self.steps = None, None, 0
-        self.agent_id += 1
-        self.now = self.decisions(seen, 0.0)
+        self._check_loaded()
+        self._forget_actions()
+        self._begun = False
+        self._link.reset(self._clock)
+        self._begun = True
 
     def step(self) -> None:
-        if self.now is None:
-            # As there: the first step is a reset.
-            self.reset()
-            return
-        seen, reward, terminated, truncated, info = self.env.step(written(self.env.action_space, self.action))
-        self.action, self.over = self.actions.empty_action(1), None
-        if not self.env.simulators.connection.peer:
-            self.now = None
-            raise UnityCommunicatorStoppedException(
-                f"the simulator is lost: {info['lost']}; reset waits for another one"
-            )
-        self.steps += 1
-        self.now = self.decisions(seen, reward)
-        interrupted = not terminated and (truncated or self.steps == self.max_episode_steps)
-        if terminated or interrupted:
-            seen, rewards, ids = self.one(seen, reward)
-            over = TerminalSteps(seen, rewards, np.array([interrupted]), ids, np.zeros(1, int), np.zeros(1))
-            self.reset()
-            self.over = over
-
-    @contextlib.contextmanager
-    def naming(self) -> Iterator[None]:
-        """The errors while a simulator is found have ML-Agents' names."""
+        if not self._begun:
+            return self.reset()
+        self._check_loaded()
         try:
-            yield
-        except TimeoutError as error:
-            raise UnityTimeOutException(str(error)) from None
-        except Lost as error:
-            raise UnityCommunicatorStoppedException(f"the simulator is lost: {error}") from None
-        except OSError as error:
-            if self.launched:
-                raise UnityEnvironmentException(str(error)) from None
-            raise UnityWorkerInUseException(0, str(error)) from None
+            self._link.step(self._clock, self._actions)
+        except UnityActionException:
+            # Nothing has moved.
+            raise
+        except UnityException:
+            self._begun = False
+            raise
+        finally:
+            self._forget_actions()
 
-    def decisions(self, seen: Any, reward: float) -> DecisionSteps:
-        masks = [np.zeros((1, choices), bool) for choices in self.actions.discrete_branches] or None
-        return DecisionSteps(*self.one(seen, reward), masks, np.zeros(1, int), np.zeros(1))
+    def _forget_actions(self) -> None:
+        self._actions = {}
+        self._own.clear()
 
-    def one(self, seen: Any, reward: float) -> tuple[list[Any], Any, Any]:
-        return (
-            [np.asarray(part)[None] for part in parts(seen)],
-            np.array([reward], np.float32),
-            np.array([self.agent_id]),
-        )
+    def _check_loaded(self) -> None:
+        if not self._loaded:
+            raise UnityEnvironmentException("this environment is closed: make a new one")
+
+    def _turn(self, behavior_name: BehaviorName) -> Turn:
+        """UnityActionException, if there is no such behavior."""
+        if behavior_name not in self._clock.specs:
+            known = ", ".join(self._clock.specs) or "none before reset"
+            raise UnityActionException(f"there is no behavior {behavior_name!a:.40}; there is: {known}")
+        return self._clock.turns.get(behavior_name) or Turn()
 
     def get_steps(self, behavior_name: BehaviorName) -> tuple[DecisionSteps, TerminalSteps]:
-        self.check_name(behavior_name)
-        if self.now is None:
-            raise ValueError("call reset before get_steps")
-        nobody = TerminalSteps.empty(self.behavior_specs[behavior_name])
-        return self.now, self.over or nobody
+        turn = self._turn(behavior_name)
+        if not self._begun:
+            raise NoSteps("call reset before get_steps")
+        return turn.steps(self._clock.specs[behavior_name])
 
     def set_actions(self, behavior_name: BehaviorName, action: Any) -> None:
-        self.check_name(behavior_name)
-        if not isinstance(action, ActionTuple):
-            # An array, as early in 2020.
-            action = ActionTuple(action) if self.actions.continuous_size else ActionTuple(discrete=action)
-        wanted = self.actions.empty_action(1)
-        if (action.continuous.shape, action.discrete.shape) != (wanted.continuous.shape, wanted.discrete.shape):
-            got = f"{action.continuous.shape} and {action.discrete.shape}"
-            raise UnityActionException(
-                f"an action is {wanted.continuous.shape} floats, {wanted.discrete.shape} integers, not {got}"
-            )
-        self.action = action
+        turn = self._turn(behavior_name)
+        if not self._begun:
+            return
+        spec = self._clock.specs[behavior_name].action_spec
+        count = 0 if turn.decisions is None else len(turn.decisions)
+        action = as_tuple(action, spec.continuous_size)
+        if count or np.size(action.continuous) or np.size(action.discrete):
+            self._actions[behavior_name] = spec._validate_action(action, count, behavior_name)
+            self._own.discard(behavior_name)
 
     def set_action_for_agent(self, behavior_name: BehaviorName, agent_id: AgentId, action: Any) -> None:
-        if self.now is None or agent_id not in self.now:
-            raise UnityActionException(f"no agent {agent_id} wants an action; there is: {self.agent_id}")
-        self.set_actions(behavior_name, action)
-
-    def check_name(self, behavior_name: BehaviorName) -> None:
-        if behavior_name not in self.behavior_specs:
-            raise UnityActionException(f"there is no behavior {behavior_name!a:.40}; there is: {self.name}")
-
-    def get_behavior_names(self) -> list[str]:
-        return [self.name]
-
-    # Early in 2020.
-    get_agent_groups = get_behavior_names
-
-    def get_step_result(self, agent_group_name: str) -> BatchedStepResult:
-        now, over = self.get_steps(agent_group_name)
-        obs = [np.concatenate(both) for both in zip(over.obs, now.obs, strict=True)]
-        done = np.arange(len(over) + 1) < len(over)
-        max_step = np.append(over.interrupted, False)
-        ids = np.append(over.agent_id, now.agent_id)
-        return BatchedStepResult(obs, np.append(over.reward, now.reward), done, max_step, ids, None)
+        turn = self._turn(behavior_name)
+        if not self._begun:
+            return
+        spec = self._clock.specs[behavior_name].action_spec
+        action = spec._validate_action(as_tuple(action, spec.continuous_size), 1, behavior_name)
+        if turn.decisions is None or agent_id not in turn.decisions:
+            raise NoRequest(f"agent {agent_id!r:.40} of {behavior_name} wants no action in this step")
+        all_of_them = self._actions.get(behavior_name) or spec.empty_action(len(turn.decisions))
+        if behavior_name not in self._own:
+            all_of_them = ActionTuple(all_of_them.continuous.copy(), all_of_them.discrete.copy())
+            self._own.add(behavior_name)
+        at = turn.decisions.agent_id_to_index[agent_id]
+        all_of_them.continuous[at] = action.continuous[0]
+        all_of_them.discrete[at] = action.discrete[0]
+        self._actions[behavior_name] = all_of_them
 
     def close(self) -> None:
-        self.env.close()
+        self._check_loaded()
+        self._link.close()
+
+    # Of 2020.
+
+    def get_behavior_names(self) -> list[BehaviorName]:
+        return list(self._clock.specs)
+
+    get_agent_groups = get_behavior_names
+
+    def get_behavior_spec(self, behavior_name: BehaviorName) -> BehaviorSpec:
+        self._turn(behavior_name)
+        return self._clock.specs[behavior_name]
+
+    get_agent_group_spec = get_behavior_spec
+
+    def get_step_result(self, agent_group_name: BehaviorName) -> BatchedStepResult:
+        now, over = self.get_steps(agent_group_name)
+        obs = [np.concatenate(both) for both in zip(over.obs, now.obs, strict=True)]
+        done = np.arange(len(over) + len(now)) < len(over)
+        max_step = np.append(over.interrupted, np.zeros(len(now), bool))
+        masks = now.action_mask and [
+            np.concatenate([np.zeros((len(over), mask.shape[1]), bool), mask]) for mask in now.action_mask
+        ]
+        ids = np.append(over.agent_id, now.agent_id)
+        return BatchedStepResult(obs, np.append(over.reward, now.reward), done, max_step, ids, masks)
 
 
-def seen_specs(space: Any) -> list[ObservationSpec]:
-    names = space if isinstance(space, Mapping) else ["observation"]
-    return [
-        ObservationSpec(part.shape, (DimensionProperty.NONE,) * len(part.shape), ObservationType.DEFAULT, name)
-        for name, part in zip(names, parts(space), strict=True)
-    ]
-
-
-def parts(whole: Any) -> list[Any]:
-    """The parts of a space or of an observation that have an array each in `obs`."""
-    return list(whole.values()) if isinstance(whole, Mapping) else [whole]
-
-
-def action_spec(space: Any) -> ActionSpec:
-    if isinstance(space, spaces.Box):
-        return ActionSpec(int(np.prod(space.shape)), ())
-    if isinstance(space, spaces.Discrete | spaces.MultiDiscrete):
-        return ActionSpec(0, tuple(np.ravel(space.n if isinstance(space, spaces.Discrete) else space.nvec).tolist()))
-    raise ValueError(f"ML-Agents has no action {space!s:.80}: take gymnasium.make")
-
-
-def written(space: Any, action: ActionTuple) -> Any:
-    """As the space has it, in which whole numbers may begin elsewhere than at 0."""
-    if isinstance(space, spaces.Box):
-        return action.continuous.reshape(space.shape).astype(space.dtype)
-    return (action.discrete.ravel() + np.ravel(space.start)).reshape(space.shape).astype(space.dtype)[()]
+def as_tuple(action: Any, floats: int) -> Any:
+    """An action; early in 2020 it was an array."""
+    if hasattr(action, "continuous") and hasattr(action, "discrete"):
+        return action
+    return ActionTuple(action) if floats else ActionTuple(discrete=action)

@@ -19,7 +19,7 @@
 
 The form of most values stays the same from step to step, and so it is looked at once. An array whose dtype no message
 has travels as the next larger one, and loses nothing. MessageError says what has no place in a message, or what is
-wrong with what a peer sent. In C# it is MessageTree.cs. It needs gymnasium and numpy.
+wrong with what a peer sent. In C# it is MessageTree.cs. It needs numpy, and gymnasium for graphs.
 """
 
 import functools
@@ -29,14 +29,23 @@ import math
 import re
 import struct
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
-from gymnasium.spaces import GraphInstance
 
 from netmq_example import arguments, check
 from netmq_example.json_text import shallow
 from netmq_example.messages import DECODER, DTYPES, ENCODER, LIMIT, Array, MessageError
+
+try:
+    from gymnasium.spaces import GraphInstance
+except ModuleNotFoundError:
+    # By the scene's clock there are no graphs, and no gymnasium is needed.
+    class GraphInstance(NamedTuple):  # type: ignore[no-redef]
+        nodes: Any
+        edges: Any
+        edge_links: Any
+
 
 SIZE = struct.Struct("<I")
 INT64 = struct.Struct("<q")

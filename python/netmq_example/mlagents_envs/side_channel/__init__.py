@@ -4,10 +4,11 @@ A channel that was written for ML-Agents works here after one word of its import
 
     from netmq_example.mlagents_envs.side_channel import IncomingMessage, OutgoingMessage, SideChannel
     from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
-
-ML-Agents has one more name, DefaultTrainingAnalyticsSideChannel: its trainers report to Unity's analytics with it.
 """
 
+from netmq_example.mlagents_envs.side_channel.default_training_analytics_side_channel import (
+    DefaultTrainingAnalyticsSideChannel,
+)
 from netmq_example.mlagents_envs.side_channel.engine_configuration_channel import (
     EngineConfig,
     EngineConfigurationChannel,
@@ -22,6 +23,7 @@ from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideCh
 from netmq_example.mlagents_envs.side_channel.stats_side_channel import StatsAggregationMethod, StatsSideChannel
 
 __all__ = [
+    "DefaultTrainingAnalyticsSideChannel",
     "EngineConfig",
     "EngineConfigurationChannel",
     "EnvironmentParametersChannel",

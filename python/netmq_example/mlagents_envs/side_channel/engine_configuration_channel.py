@@ -12,7 +12,7 @@ from enum import IntEnum
 from typing import NamedTuple
 
 from netmq_example import arguments, check
-from netmq_example.mlagents_envs.exception import UnitySideChannelException
+from netmq_example.mlagents_envs.exception import UnityCommunicationException, UnitySideChannelException
 from netmq_example.mlagents_envs.side_channel.incoming_message import FLOAT32, INT32
 from netmq_example.mlagents_envs.side_channel.outgoing_message import packed
 from netmq_example.mlagents_envs.side_channel.side_channel import IncomingMessage, OutgoingMessage, SideChannel
@@ -49,7 +49,7 @@ class EngineConfigurationChannel(SideChannel):
         super().__init__(uuid.UUID("e951342c-4f7e-11ea-b238-784f4387d1f7"))
 
     def on_message_received(self, msg: IncomingMessage) -> None:
-        raise UnitySideChannelException("engine settings came from Unity, which is to receive them")
+        raise UnityCommunicationException("engine settings came from Unity, which is to receive them")
 
     def set_configuration_parameters(
         self,

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from enum import IntEnum
 
 from netmq_example import arguments
-from netmq_example.mlagents_envs.exception import UnitySideChannelException
+from netmq_example.mlagents_envs.exception import UnityCommunicationException
 from netmq_example.mlagents_envs.side_channel.incoming_message import FLOAT32, INT32
 from netmq_example.mlagents_envs.side_channel.outgoing_message import packed
 from netmq_example.mlagents_envs.side_channel.side_channel import IncomingMessage, OutgoingMessage, SideChannel
@@ -33,7 +33,7 @@ class EnvironmentParametersChannel(SideChannel):
         super().__init__(uuid.UUID("534c891e-810f-11ea-a9d0-822485860400"))
 
     def on_message_received(self, msg: IncomingMessage) -> None:
-        raise UnitySideChannelException("parameters came from Unity, which is to receive them")
+        raise UnityCommunicationException("parameters came from Unity, which is to receive them")
 
     def set_float_parameter(self, key: str, value: float) -> None:
         msg = self._begin(key, self.EnvironmentDataTypes.FLOAT)

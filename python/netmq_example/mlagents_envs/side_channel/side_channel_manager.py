@@ -19,24 +19,49 @@ import traceback
 import uuid
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 from netmq_example import arguments, check
 from netmq_example.mlagents_envs.exception import UnityException, UnitySideChannelException
-from netmq_example.mlagents_envs.side_channel.side_channel import LARGEST_EXCHANGE_BYTES, Channel
+from netmq_example.mlagents_envs.side_channel.side_channel import LARGEST_EXCHANGE_BYTES, Channel, IncomingMessage
 
 # Limits for messages to channels that are not registered yet.
 MOST_KEPT = 100
 LARGEST_KEPT_BYTES = 65_536
 
+# A channel that was made by ML-Agents' own package has these.
+FOREIGN = ("channel_id", "message_queue", "on_message_received")
 
 log = logging.getLogger("netmq_example.envs")
+
+
+class Foreign(Channel):
+    """Stands in for a channel of another package."""
+
+    def __init__(self, channel: Any) -> None:
+        self.channel = channel
+        queued = channel.message_queue
+        super().__init__(channel.channel_id)
+        self.message_queue = queued
+
+    @property
+    def message_queue(self) -> list[bytes]:
+        queued: list[bytes] = self.channel.message_queue
+        return queued
+
+    @message_queue.setter
+    def message_queue(self, queued: list[bytes]) -> None:
+        self.channel.message_queue = queued
+
+    def process_message(self, message: bytes) -> None:
+        self.channel.on_message_received(IncomingMessage(message))
 
 
 class SideChannelManager:
     """The channels of one exchange. A message that could not be delivered yet is logged, unless `report` takes it."""
 
     def __init__(
-        self, side_channels: Sequence[Channel] | None = None, report: Callable[[str], object] = log.warning
+        self, side_channels: Sequence[Any] | None = None, report: Callable[[str], object] = log.warning
     ) -> None:
         # By the bytes on the wire: to make a UUID of each message's would take longer than the rest.
         self.channels: dict[bytes, Channel] = {}
@@ -45,8 +70,15 @@ class SideChannelManager:
         for channel in check.instance("side_channels", [] if side_channels is None else side_channels, list, tuple):
             self.register_side_channel(channel)
 
-    def register_side_channel(self, channel: Channel) -> None:
+    @property
+    def _side_channels_dict(self) -> dict[uuid.UUID, Any]:
+        """The channels by their ids, as ML-Agents' has them; programs look into it."""
+        return {one.channel_id: one.channel if isinstance(one, Foreign) else one for one in self.channels.values()}
+
+    def register_side_channel(self, channel: Any) -> None:
         """At any time: what came for it before is delivered now."""
+        if not isinstance(channel, Channel) and all(hasattr(channel, name) for name in FOREIGN):
+            channel = Foreign(channel)
         channel_id = check.instance("channel", channel, Channel).channel_id.bytes_le
         if channel_id in self.channels:
             raise UnitySideChannelException(f"channel {channel.channel_id} is registered already: give each its own id")
