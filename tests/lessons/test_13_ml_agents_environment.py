@@ -93,7 +93,7 @@ def arena(connected):
 
 
 def ids(env, name=BALL):
-    """Who wants an action, and who has ended."""
+    """The ids of those that want an action, and of those that have ended."""
     now, over = env.get_steps(name)
     return list(now), list(over)
 

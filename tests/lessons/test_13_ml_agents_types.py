@@ -210,7 +210,7 @@ def test_imports_load_no_gymnasium(module):
 
 
 def carried(sender, receiver):
-    """What one has queued, in the other."""
+    """The messages that one has queued come to the other."""
     SideChannelManager([receiver]).process_side_channel_message(
         bytes(SideChannelManager([sender]).generate_side_channel_messages())
     )

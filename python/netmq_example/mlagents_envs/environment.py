@@ -14,7 +14,7 @@ anew within it; this needs gymnasium. In both an agent keeps its id over its epi
 
 import os
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -30,7 +30,7 @@ from netmq_example.mlagents_envs.base_env import (
     DecisionSteps,
     TerminalSteps,
 )
-from netmq_example.mlagents_envs.clock import Clock, Turn
+from netmq_example.mlagents_envs.clock import Turn
 from netmq_example.mlagents_envs.exception import (
     NoRequest,
     NoSteps,
@@ -43,9 +43,8 @@ from netmq_example.mlagents_envs.exception import (
 from netmq_example.mlagents_envs.side_channel import DefaultTrainingAnalyticsSideChannel
 from netmq_example.mlagents_envs.side_channel.side_channel import SideChannel
 from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
-
-if TYPE_CHECKING:
-    pass
+from netmq_example.mlagents_envs.specs import as_tuple
+from netmq_example.mlagents_envs.steps import batched
 
 __all__ = [
     "ActionTuple",
@@ -66,21 +65,6 @@ __all__ = [
     "UnityTimeOutException",
 ]
 
-# Of ML-Agents' two halves, which trainers show.
-API_VERSION = "1.5.0"
-
-
-class Capabilities(NamedTuple):
-    """With the names of ML-Agents' message: the kit has no analytics."""
-
-    baseRLCapabilities: bool = True
-    concatenatedPngObservations: bool = True
-    compressedChannelMapping: bool = True
-    hybridActions: bool = True
-    trainingAnalytics: bool = False
-    variableLengthObservation: bool = True
-    multiAgentGroups: bool = True
-
 
 class UnityEnvironment(BaseEnv):
     """`file_name` is a build to launch, on a free port; without it Play is waited for, on `base_port` + `worker_id`.
@@ -94,7 +78,8 @@ class UnityEnvironment(BaseEnv):
     two spaces are those of agents by attributes whose scene says none.
     """
 
-    API_VERSION = API_VERSION
+    # Of ML-Agents' two halves, which trainers show.
+    API_VERSION = "1.5.0"
     DEFAULT_EDITOR_PORT = 5004
     BASE_ENVIRONMENT_PORT = 5005
 
@@ -144,10 +129,10 @@ class UnityEnvironment(BaseEnv):
             "given": (observation_space, action_space),
         }
         # Not before it is needed: its modules register environments with Gymnasium.
-        from netmq_example.mlagents_envs.link import Link
+        from netmq_example.mlagents_envs.link import Capabilities, Link
 
-        self._link: Link = Link(self._side_channel_manager, where, self._worker_id, words)
-        self._clock: Clock = self._link.start(self)
+        self._link = Link(self._side_channel_manager, where, self._worker_id, words)
+        self._clock = self._link.start(self)
         self.academy_capabilities = Capabilities()
         self._actions: dict[BehaviorName, ActionTuple] = {}
         # Those whose arrays are not the caller's.
@@ -270,19 +255,4 @@ class UnityEnvironment(BaseEnv):
     get_agent_group_spec = get_behavior_spec
 
     def get_step_result(self, agent_group_name: BehaviorName) -> BatchedStepResult:
-        now, over = self.get_steps(agent_group_name)
-        obs = [np.concatenate(both) for both in zip(over.obs, now.obs, strict=True)]
-        done = np.arange(len(over) + len(now)) < len(over)
-        max_step = np.append(over.interrupted, np.zeros(len(now), bool))
-        masks = now.action_mask and [
-            np.concatenate([np.zeros((len(over), mask.shape[1]), bool), mask]) for mask in now.action_mask
-        ]
-        ids = np.append(over.agent_id, now.agent_id)
-        return BatchedStepResult(obs, np.append(over.reward, now.reward), done, max_step, ids, masks)
-
-
-def as_tuple(action: Any, floats: int) -> Any:
-    """An action; early in 2020 it was an array."""
-    if hasattr(action, "continuous") and hasattr(action, "discrete"):
-        return action
-    return ActionTuple(action) if floats else ActionTuple(discrete=action)
+        return batched(*self.get_steps(agent_group_name))

@@ -5,7 +5,7 @@ It needs pyzmq; and numpy, as its clocks do.
 
 import importlib
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 from netmq_example.envs.side_channels import StepCarrier
 from netmq_example.envs.simulators import Simulators
@@ -25,6 +25,18 @@ from netmq_example.mlagents_envs.scene_clock import SceneClock
 from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
 from netmq_example.mlagents_envs.specs import ActionTuple
 from netmq_example.wire.records import Record
+
+
+class Capabilities(NamedTuple):
+    """With the names of ML-Agents' message: the kit has no analytics."""
+
+    baseRLCapabilities: bool = True
+    concatenatedPngObservations: bool = True
+    compressedChannelMapping: bool = True
+    hybridActions: bool = True
+    trainingAnalytics: bool = False
+    variableLengthObservation: bool = True
+    multiAgentGroups: bool = True
 
 
 class Link:

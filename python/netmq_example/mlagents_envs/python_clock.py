@@ -20,20 +20,9 @@ from netmq_example.mlagents_envs.clock import Clock, Turn, branches_of, rewards_
 from netmq_example.mlagents_envs.plain import Done, Seen
 from netmq_example.mlagents_envs.specs import ActionTuple, BehaviorSpec
 from netmq_example.mlagents_envs.steps import DecisionSteps, TerminalSteps
+from netmq_example.wire import records
 from netmq_example.wire.batches import together
-from netmq_example.wire.records import (
-    ABSENT,
-    ASKS,
-    AUTORESET,
-    ENDED,
-    RESET,
-    SEEN,
-    STEP,
-    TERMINATED,
-    TRUNCATED,
-    Record,
-    Section,
-)
+from netmq_example.wire.records import Record, Section
 
 NewIds = Callable[[int], Any]
 Spaces = tuple[Space[Any] | None, Space[Any] | None]
@@ -72,7 +61,8 @@ class PythonClock(Clock):
         self.stepping: Any = None
 
     def reset(self) -> Record:
-        return Record(ASKS, 0, [self.section(behavior, bytes([RESET]) * behavior.count) for behavior in self.behaviors])
+        orders = {behavior: bytes([records.RESET]) * behavior.count for behavior in self.behaviors}
+        return Record(records.ASKS, 0, [self.section(*each) for each in orders.items()])
 
     def section(self, behavior: "Behavior", marks: bytes) -> Section:
         kind = behavior.kind
@@ -90,7 +80,7 @@ class PythonClock(Clock):
             steps = None if self.stepping is None else self.stepping[behavior.rows]
             behavior.actions.put_batch(section, batches[behavior.name], steps)
             sections.append(section)
-        return Record(ASKS, 0, sections, AUTORESET)
+        return Record(records.ASKS, 0, sections, records.AUTORESET)
 
     def limited(self) -> Record | None:
         pairs = {one.name: (one.actions, self.batches[one.name]) for one in self.behaviors}
@@ -111,7 +101,7 @@ class PythonClock(Clock):
         if not begins and (episodes.limit or self.stepping is not None):
             episodes.stepped(self.stepping)
         count = len(self.behaviors)
-        last = {one.kind: one for one in answer.sections[count:] if one.columns & ENDED}
+        last = {one.kind: one for one in answer.sections[count:] if one.columns & records.ENDED}
         turns = {}
         for behavior, section in zip(self.behaviors, answer.sections, strict=False):
             ended = None
@@ -120,11 +110,9 @@ class PythonClock(Clock):
                 episodes.begun(who + behavior.kind.first)
             turns[behavior.name] = behavior.turn(section, ended, begins, self.new_ids)
         self.turns = turns
-        away = [behavior.away for behavior in self.behaviors]
         self.away = None
-        if any(one is not None for one in away):
-            nobody = [np.zeros(behavior.count, bool) for behavior in self.behaviors]
-            self.away = np.concatenate([none if one is None else one for one, none in zip(away, nobody, strict=True)])
+        if any(behavior.away is not None for behavior in self.behaviors):
+            self.away = np.concatenate([behavior.is_away() for behavior in self.behaviors])
 
     def new_ids(self, count: int) -> Any:
         self.next_id += count
@@ -146,8 +134,8 @@ class Behavior:
         self.spec = BehaviorSpec(self.plain.specs, self.done.spec)
         self.actions = Actions(action, kind)
         self.seen = observations_of(self.observation, kind)
-        self.everybody = bytes([STEP]) * self.count
-        self.all_seen = bytes([SEEN]) * self.count
+        self.everybody = bytes([records.STEP]) * self.count
+        self.all_seen = bytes([records.SEEN]) * self.count
         self.choices = sum(self.done.spec.discrete_branches)
         self.ids = np.arange(kind.first, kind.first + self.count, dtype=np.int32)
         # The rows whose agent is not in the scene, None for none, and those of the DecisionSteps, None for all.
@@ -178,7 +166,7 @@ class Behavior:
             known = [] if ended is None else ended.agent_id.tolist()
             rows = [row for row in np.flatnonzero(left).tolist() if not begins and self.ids[row] not in known]
             if rows:
-                cut = np.frombuffer(section.marks, np.uint8)[rows] & TERMINATED == 0
+                cut = np.frombuffer(section.marks, np.uint8)[rows] & records.TERMINATED == 0
                 gone = terminal([part[rows] for part in seen], rewards[rows], cut, self.ids[rows])
                 ended = gone if ended is None else both(ended, gone)
         if self.here is None:
@@ -187,10 +175,13 @@ class Behavior:
         here = [part[self.here] for part in seen]
         return Turn(decisions(here, rewards[self.here], self.ids[self.here], some), ended)
 
+    def is_away(self) -> Any:
+        return np.zeros(self.count, bool) if self.away is None else self.away
+
     def changed(self, marks: Any, new_ids: NewIds) -> Any:
         """The rows whose agent has left just now. Another one in its place has an id of its own."""
-        before = np.zeros(self.count, bool) if self.away is None else self.away
-        away = marks & ABSENT > 0
+        before = self.is_away()
+        away = marks & records.ABSENT > 0
         back = before & ~away
         if back.any():
             self.ids[back] = new_ids(int(back.sum()))
@@ -224,7 +215,7 @@ class Behavior:
         seen = self.plain.split(together(self.observation, [last.one(row) for row in who.tolist()]))
         marks = np.frombuffer(section.marks, np.uint8)
         # An end in the last step is no interruption.
-        cut = (marks & TRUNCATED > 0) & (marks & TERMINATED == 0)
+        cut = (marks & records.TRUNCATED > 0) & (marks & records.TERMINATED == 0)
         return terminal(seen, rewards_of(section), cut, self.ids[who]), who
 
 

@@ -19,21 +19,8 @@ from netmq_example.mlagents_envs.specs import (
     ObservationType,
 )
 from netmq_example.mlagents_envs.steps import DecisionSteps, TerminalSteps
-from netmq_example.wire import trees
-from netmq_example.wire.records import (
-    ANEW,
-    ASKS,
-    ENDED,
-    GROUPS,
-    IDS,
-    MASKS,
-    SCENE_CLOCK,
-    STEP,
-    TRUNCATED,
-    Record,
-    Section,
-    bad,
-)
+from netmq_example.wire import records, trees
+from netmq_example.wire.records import Record, Section, bad
 
 
 class SceneClock(Clock):
@@ -53,7 +40,7 @@ class SceneClock(Clock):
     def reset(self) -> Record:
         # A simulator takes its seed once.
         said = b"" if self.begun else trees.write({"seed": self.seed})
-        return Record(ASKS, 0, [], SCENE_CLOCK | ANEW, said, b"")
+        return Record(records.ASKS, 0, [], records.SCENE_CLOCK | records.ANEW, said, b"")
 
     def step(self, actions: Mapping[str, ActionTuple]) -> Record:
         sections = []
@@ -61,11 +48,11 @@ class SceneClock(Clock):
             decisions = self.turns[behavior.name].decisions
             if behavior.name in actions and decisions is not None and (count := len(decisions)):
                 values = behavior.written(actions[behavior.name])
-                sections.append(Section(number, bytes(8 * count), bytes([STEP]) * count, values=values))
-        return Record(ASKS, 0, sections, SCENE_CLOCK, b"", b"")
+                sections.append(Section(number, bytes(8 * count), bytes([records.STEP]) * count, values=values))
+        return Record(records.ASKS, 0, sections, records.SCENE_CLOCK, b"", b"")
 
     def read(self, answer: Record, begins: bool) -> None:
-        if not answer.bits & SCENE_CLOCK:
+        if not answer.bits & records.SCENE_CLOCK:
             raise MessageError("wrong-clock", "the answer is none of the scene's clock")
         if answer.said:
             self.add(trees.read(answer.said))
@@ -75,7 +62,7 @@ class SceneClock(Clock):
                 raise MessageError("wrong-agents", f"there is no behavior {section.kind} of {len(self.behaviors)}")
             behavior = self.behaviors[section.kind]
             turn = turns[behavior.name]
-            if section.columns & ENDED:
+            if section.columns & records.ENDED:
                 turn.ended = behavior.ended(section)
             else:
                 turn.decisions = behavior.decisions(section)
@@ -129,7 +116,7 @@ class Behavior:
         if self.choices:
             count = len(section.marks)
             block = np.zeros((count, self.choices), bool)
-            if section.columns & MASKS:
+            if section.columns & records.MASKS:
                 if len(section.masks) != block.size:
                     raise bad(f"masks of {self.name!a:.80} have {self.choices} choices")
                 block = np.frombuffer(section.masks, np.uint8).reshape(block.shape) > 0
@@ -138,16 +125,16 @@ class Behavior:
 
     def ended(self, section: Section) -> TerminalSteps:
         ids, groups, group_rewards = self.who(section)
-        cut = np.frombuffer(section.marks, np.uint8) & TRUNCATED > 0
+        cut = np.frombuffer(section.marks, np.uint8) & records.TRUNCATED > 0
         return TerminalSteps(self.seen(section), rewards_of(section), cut, ids, groups, group_rewards)
 
     def who(self, section: Section) -> tuple[Any, Any, Any]:
         """Ids, groups and their rewards."""
         count = len(section.marks)
-        if not section.columns & IDS:
+        if not section.columns & records.IDS:
             raise bad("agents of the scene's clock have ids")
         ids = np.frombuffer(section.ids, np.int32).copy()
-        if not section.columns & GROUPS:
+        if not section.columns & records.GROUPS:
             return ids, np.zeros(count, np.int32), np.zeros(count, np.float32)
         groups = np.frombuffer(section.groups, np.int32, count).copy()
         return ids, groups, np.frombuffer(section.groups, np.float32, count, 4 * count).copy()

@@ -58,6 +58,13 @@ class ActionTuple(_ActionTupleBase):
         return np.int32
 
 
+def as_tuple(action: Any, floats: int) -> Any:
+    """An action; early in 2020 it was an array."""
+    if hasattr(action, "continuous") and hasattr(action, "discrete"):
+        return action
+    return ActionTuple(action) if floats else ActionTuple(discrete=action)
+
+
 class ActionSpec(NamedTuple):
     """How many floats, and for each whole number how many choices there are."""
 

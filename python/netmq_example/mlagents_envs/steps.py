@@ -140,3 +140,15 @@ class BatchedStepResult(NamedTuple):
 
     def n_agents(self) -> int:
         return len(self.agent_id)
+
+
+def batched(now: DecisionSteps, over: TerminalSteps) -> BatchedStepResult:
+    """First those that have ended."""
+    obs = [np.concatenate(both) for both in zip(over.obs, now.obs, strict=True)]
+    done = np.arange(len(over) + len(now)) < len(over)
+    max_step = np.append(over.interrupted, np.zeros(len(now), bool))
+    masks = now.action_mask and [
+        np.concatenate([np.zeros((len(over), mask.shape[1]), bool), mask]) for mask in now.action_mask
+    ]
+    ids = np.append(over.agent_id, now.agent_id)
+    return BatchedStepResult(obs, np.append(over.reward, now.reward), done, max_step, ids, masks)

@@ -29,23 +29,14 @@ import math
 import re
 import struct
 from collections.abc import Callable
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
 from netmq_example import arguments, check
 from netmq_example.json_text import shallow
 from netmq_example.messages import DECODER, DTYPES, ENCODER, LIMIT, Array, MessageError
-
-try:
-    from gymnasium.spaces import GraphInstance
-except ModuleNotFoundError:
-    # By the scene's clock there are no graphs, and no gymnasium is needed.
-    class GraphInstance(NamedTuple):  # type: ignore[no-redef]
-        nodes: Any
-        edges: Any
-        edge_links: Any
-
+from netmq_example.wire.graphs import GraphInstance
 
 SIZE = struct.Struct("<I")
 INT64 = struct.Struct("<q")
