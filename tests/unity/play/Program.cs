@@ -9,6 +9,9 @@
 //     … play.dll wrong 4 tries 0 …                       Plays of ten frames, each with a field that is wrong
 //     … play.dll drive fail=20 count=50 …                lesson 08 with what may happen to it; see Drives.cs
 //     … play.dll rays                                   what rays meet; see Rays.cs
+//     … play.dll touches                                what bodies do and touch; see Touches.cs
+//     … play.dll mlsensors                              what ML-Agents' sensors write; see MlSensors.cs
+//     … play.dll mlscene scene.unity                    what components read from a scene; see MlScene.cs
 //     … play.dll cameras                                what a camera sees, and what it leaves; see Cameras.cs
 //     … play.dll body count=60 …                         application 20; see Bodies.cs
 //     … play.dll areas 16 play --endpoint …              lesson 10's areas in a scene; see ManyAreas.cs
@@ -55,6 +58,9 @@ namespace NetMQExample.PlayTest
                 case "quiet": return Quiet.Run(words[1]);
                 case "cameras": return Cameras.Run();
                 case "rays": return Rays.Run();
+                case "touches": return Touches.Run();
+                case "mlsensors": return MlTest.MlSensors.Run();
+                case "mlscene": return MlScene.Run(words[1]);
                 case "drive": return Drives.Run(words.Skip(1).ToArray());
                 case "body": return Bodies.Run(words.Skip(1).ToArray());
                 case "views": return Views(words.Skip(1).ToArray());

@@ -1,4 +1,7 @@
-// ML-Agents' shape, parts of an agent: it gets actions, forbids choices and has a heuristic.
+// ML-Agents' shape, parts of an agent: it gets actions, forbids choices and has a heuristic. Scripts with actuators of
+// their own compile; an agent says that they do not act.
+using UnityEngine;
+
 namespace NetMQExample.MLAgents.Actuators
 {
     /// <summary>A thing that acts.</summary>
@@ -29,5 +32,15 @@ namespace NetMQExample.MLAgents.Actuators
 
         /// <summary>An episode is over.</summary>
         void ResetData();
+    }
+
+    /// <summary>Makes actuators, which are not called.</summary>
+    public abstract class ActuatorComponent : MonoBehaviour
+    {
+        /// <summary>Their actions.</summary>
+        public abstract ActionSpec ActionSpec { get; }
+
+        /// <summary>Makes them.</summary>
+        public abstract IActuator[] CreateActuators();
     }
 }

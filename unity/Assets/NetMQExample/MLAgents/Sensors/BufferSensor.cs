@@ -4,22 +4,19 @@ using System;
 namespace NetMQExample.MLAgents.Sensors
 {
     /// <summary>So many rows at the most; those that are missing are zeros.</summary>
-    public class BufferSensor : ISensor
+    public class BufferSensor : BuiltInSensor
     {
-        private readonly string name;
         private readonly int most, size;
         private readonly float[] rows;
-        private readonly ObservationSpec spec;
         private int count;
 
         /// <summary>With its sizes.</summary>
         public BufferSensor(int maxNumberObs, int obsSize, string name)
+            : base(name, ObservationSpec.VariableLength(maxNumberObs, obsSize))
         {
-            this.name = name;
             most = maxNumberObs;
             size = obsSize;
             rows = new float[most * size];
-            spec = ObservationSpec.VariableLength(most, size);
         }
 
         /// <summary>Adds a row; one more than there is room for is passed over.</summary>
@@ -28,7 +25,7 @@ namespace NetMQExample.MLAgents.Sensors
         {
             if (obs.Length != size)
                 throw new UnityAgentsException(
-                    $"{name} was given a row of {obs.Length} numbers: its Observable Size is {size}");
+                    $"{GetName()} was given a row of {obs.Length} numbers: its Observable Size is {size}");
             foreach (var number in obs) UnityAgentsException.Finite(number, nameof(AppendObservation));
             if (count >= most) return;
             Array.Copy(obs, 0, rows, count * size, size);
@@ -36,32 +33,20 @@ namespace NetMQExample.MLAgents.Sensors
         }
 
         /// <inheritdoc/>
-        public int Write(ObservationWriter writer)
+        public override int Write(ObservationWriter writer)
         {
             writer.AddList(rows);
             return rows.Length;
         }
 
         /// <inheritdoc/>
-        public void Update() => Reset();
+        public override void Update() => Reset();
 
         /// <inheritdoc/>
-        public void Reset()
+        public override void Reset()
         {
             count = 0;
             Array.Clear(rows, 0, rows.Length);
         }
-
-        /// <inheritdoc/>
-        public ObservationSpec GetObservationSpec() => spec;
-
-        /// <inheritdoc/>
-        public string GetName() => name;
-
-        /// <inheritdoc/>
-        public virtual byte[] GetCompressedObservation() => null;
-
-        /// <inheritdoc/>
-        public CompressionSpec GetCompressionSpec() => CompressionSpec.Default();
     }
 }

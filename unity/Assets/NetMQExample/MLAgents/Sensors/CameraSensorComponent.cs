@@ -1,5 +1,4 @@
 // ML-Agents' shape, a camera sensor as a component.
-using System;
 using UnityEngine;
 using UnityEngine.Serialization;
 
@@ -7,7 +6,7 @@ namespace NetMQExample.MLAgents.Sensors
 {
     /// <summary>Pictures for the agent above it. Its fields have ML-Agents' names.</summary>
     [AddComponentMenu("NetMQ Example/ML-Agents/Camera Sensor")]
-    public class CameraSensorComponent : SensorComponent, IDisposable
+    public class CameraSensorComponent : SensorComponent
     {
         [SerializeField, FormerlySerializedAs("camera")] private Camera m_Camera;
         [SerializeField, FormerlySerializedAs("sensorName"), Tooltip("Sensors are sorted by it")]
@@ -55,20 +54,10 @@ namespace NetMQExample.MLAgents.Sensors
         public override ISensor[] CreateSensors()
         {
             if (m_Camera == null) throw new UnityAgentsException($"{name}: its Camera Sensor has no Camera: give it one");
-            Dispose();
             sensor = new CameraSensor(
                 m_Camera, m_Width, m_Height, m_Grayscale, m_SensorName, m_Compression, m_ObservationType);
             return new[] { StackingSensor.Of(sensor, m_ObservationStacks) };
         }
-
-        /// <summary>Destroys the textures of its sensor.</summary>
-        public void Dispose()
-        {
-            sensor?.Dispose();
-            sensor = null;
-        }
-
-        private void OnDestroy() => Dispose();
 
         private void Start() => Tell();
 

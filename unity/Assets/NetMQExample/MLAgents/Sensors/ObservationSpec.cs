@@ -1,36 +1,6 @@
 // ML-Agents' shape, a specification: the shape of a sensor's array, and what trainers may make of each dimension.
 using System;
 
-namespace NetMQExample.MLAgents
-{
-    /// <summary>One to four values.</summary>
-    public readonly struct InplaceArray<T> where T : struct
-    {
-        private readonly T[] values;
-
-        /// <summary>One.</summary>
-        public InplaceArray(T elem0) => values = new[] { elem0 };
-
-        /// <summary>Two.</summary>
-        public InplaceArray(T elem0, T elem1) => values = new[] { elem0, elem1 };
-
-        /// <summary>Three.</summary>
-        public InplaceArray(T elem0, T elem1, T elem2) => values = new[] { elem0, elem1, elem2 };
-
-        /// <summary>Four.</summary>
-        public InplaceArray(T elem0, T elem1, T elem2, T elem3) => values = new[] { elem0, elem1, elem2, elem3 };
-
-        /// <summary>How many there are.</summary>
-        public int Length => values?.Length ?? 0;
-
-        /// <summary>One of them.</summary>
-        public T this[int index] => values[index];
-
-        /// <inheritdoc/>
-        public override string ToString() => $"[{string.Join(", ", values ?? Array.Empty<T>())}]";
-    }
-}
-
 namespace NetMQExample.MLAgents.Sensors
 {
     /// <summary>What a trainer may make of a dimension.</summary>
@@ -61,7 +31,7 @@ namespace NetMQExample.MLAgents.Sensors
     {
         /// <summary>Of any shape.</summary>
         /// <exception cref="UnityAgentsException">There are not as many properties as dimensions.</exception>
-        public ObservationSpec(InplaceArray<int> shape, InplaceArray<DimensionProperty> dimensionProperties,
+        public ObservationSpec(int[] shape, DimensionProperty[] dimensionProperties,
             ObservationType observationType = ObservationType.Default)
         {
             if (shape.Length != dimensionProperties.Length)
@@ -73,10 +43,10 @@ namespace NetMQExample.MLAgents.Sensors
         }
 
         /// <summary>The size of each dimension.</summary>
-        public InplaceArray<int> Shape { get; }
+        public int[] Shape { get; }
 
         /// <summary>The property of each dimension.</summary>
-        public InplaceArray<DimensionProperty> DimensionProperties { get; }
+        public DimensionProperty[] DimensionProperties { get; }
 
         /// <summary>What it is for.</summary>
         public ObservationType ObservationType { get; }
@@ -86,19 +56,19 @@ namespace NetMQExample.MLAgents.Sensors
 
         /// <summary>Numbers in a row.</summary>
         public static ObservationSpec Vector(int length, ObservationType obsType = ObservationType.Default) =>
-            new ObservationSpec(new InplaceArray<int>(length),
-                new InplaceArray<DimensionProperty>(DimensionProperty.None), obsType);
+            new ObservationSpec(new[] { length }, new[] { DimensionProperty.None }, obsType);
 
         /// <summary>Some rows of the same size, of which the last ones may be missing.</summary>
-        public static ObservationSpec VariableLength(int obsSize, int maxNumObs) =>
-            new ObservationSpec(new InplaceArray<int>(obsSize, maxNumObs),
-                new InplaceArray<DimensionProperty>(DimensionProperty.VariableSize, DimensionProperty.None));
+        public static ObservationSpec VariableLength(int obsSize, int maxNumObs) => new ObservationSpec(
+            new[] { obsSize, maxNumObs }, new[] { DimensionProperty.VariableSize, DimensionProperty.None });
 
         /// <summary>A picture.</summary>
         public static ObservationSpec Visual(
-            int channels, int height, int width, ObservationType obsType = ObservationType.Default) =>
-            new ObservationSpec(new InplaceArray<int>(channels, height, width),
-                new InplaceArray<DimensionProperty>(DimensionProperty.None,
-                    DimensionProperty.TranslationalEquivariance, DimensionProperty.TranslationalEquivariance), obsType);
+            int channels, int height, int width, ObservationType obsType = ObservationType.Default)
+        {
+            const DimensionProperty Place = DimensionProperty.TranslationalEquivariance;
+            return new ObservationSpec(
+                new[] { channels, height, width }, new[] { DimensionProperty.None, Place, Place }, obsType);
+        }
     }
 }

@@ -9,23 +9,20 @@ using Object = UnityEngine.Object;
 namespace NetMQExample.MLAgents.Sensors
 {
     /// <summary>The base of the camera's and of the render texture's sensor.</summary>
-    public abstract class PictureSensor : ISensor, IPicture, IDisposable
+    public abstract class PictureSensor : BuiltInSensor, IPicture, IDisposable
     {
-        private readonly string name;
         private readonly int width, height, channels;
-        private readonly ObservationSpec spec;
         private readonly byte[] pixels, picture;
         private readonly Texture2D copy;
 
         internal PictureSensor(string name, int width, int height, bool grayscale, ObservationType type)
+            : base(name, ObservationSpec.Visual(grayscale ? 1 : 3, height, width, type))
         {
             if (!HasGraphics)
                 Debug.LogError($"{name} sees black only, for there is no graphics card: start Unity without -nographics");
-            this.name = name;
             this.width = width;
             this.height = height;
             channels = grayscale ? 1 : 3;
-            spec = ObservationSpec.Visual(channels, height, width, type);
             pixels = new byte[4 * width * height];
             picture = new byte[channels * width * height];
             copy = new Texture2D(width, height, TextureFormat.RGBA32, false);
@@ -39,7 +36,7 @@ namespace NetMQExample.MLAgents.Sensors
         internal static bool HasGraphics => SystemInfo.graphicsDeviceType != GraphicsDeviceType.Null;
 
         /// <inheritdoc/>
-        public int Write(ObservationWriter writer)
+        public override int Write(ObservationWriter writer)
         {
             Look();
             for (var i = 0; i < picture.Length; i++) writer[i] = picture[i] / 255f;
@@ -51,24 +48,6 @@ namespace NetMQExample.MLAgents.Sensors
             Look();
             picture.AsSpan().CopyTo(to);
         }
-
-        /// <inheritdoc/>
-        public virtual void Update() { }
-
-        /// <inheritdoc/>
-        public void Reset() { }
-
-        /// <inheritdoc/>
-        public ObservationSpec GetObservationSpec() => spec;
-
-        /// <inheritdoc/>
-        public string GetName() => name;
-
-        /// <inheritdoc/>
-        public byte[] GetCompressedObservation() => null;
-
-        /// <inheritdoc/>
-        public CompressionSpec GetCompressionSpec() => new CompressionSpec(CompressionType);
 
         /// <summary>Destroys its textures.</summary>
         public virtual void Dispose() => Object.Destroy(copy);

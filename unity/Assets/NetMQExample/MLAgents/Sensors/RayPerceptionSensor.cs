@@ -8,18 +8,17 @@ using UnityEngine;
 namespace NetMQExample.MLAgents.Sensors
 {
     /// <summary>Casts rays for each decision.</summary>
-    public class RayPerceptionSensor : ISensor
+    public class RayPerceptionSensor : BuiltInSensor
     {
-        private readonly string name;
+        private readonly float[] numbers;
         private RayPerceptionInput input;
-        private ObservationSpec spec;
-        private float[] numbers;
 
         /// <summary>With its name and its rays.</summary>
         public RayPerceptionSensor(string name, RayPerceptionInput rayInput)
+            : base(name, ObservationSpec.Vector(rayInput.OutputSize()))
         {
-            this.name = name;
-            SetRayPerceptionInput(rayInput);
+            input = rayInput;
+            numbers = new float[input.OutputSize()];
         }
 
         /// <summary>What its rays have met last.</summary>
@@ -36,7 +35,7 @@ namespace NetMQExample.MLAgents.Sensors
         }
 
         /// <inheritdoc/>
-        public void Update()
+        public override void Update()
         {
             var count = input.Angles.Count;
             if (RayPerceptionOutput.RayOutputs?.Length != count)
@@ -45,7 +44,7 @@ namespace NetMQExample.MLAgents.Sensors
         }
 
         /// <inheritdoc/>
-        public int Write(ObservationWriter writer)
+        public override int Write(ObservationWriter writer)
         {
             Array.Clear(numbers, 0, numbers.Length);
             var tags = input.DetectableTags?.Count ?? 0;
@@ -55,33 +54,13 @@ namespace NetMQExample.MLAgents.Sensors
             return numbers.Length;
         }
 
-        /// <inheritdoc/>
-        public void Reset() { }
-
-        /// <inheritdoc/>
-        public ObservationSpec GetObservationSpec() => spec;
-
-        /// <inheritdoc/>
-        public string GetName() => name;
-
-        /// <inheritdoc/>
-        public virtual byte[] GetCompressedObservation() => null;
-
-        /// <inheritdoc/>
-        public CompressionSpec GetCompressionSpec() => CompressionSpec.Default();
-
         // Its size is that of the first rays: Python was told.
         internal void SetRayPerceptionInput(RayPerceptionInput rayInput)
         {
-            if (numbers != null && rayInput.OutputSize() != numbers.Length)
-            {
-                Debug.LogError($"{name}: the number of rays and tags cannot change in Play: set it before the agent is "
-                    + "enabled");
-                return;
-            }
-            input = rayInput;
-            numbers ??= new float[input.OutputSize()];
-            spec = ObservationSpec.Vector(numbers.Length);
+            if (rayInput.OutputSize() == numbers.Length) input = rayInput;
+            else
+                Debug.LogError($"{GetName()}: the number of rays and tags cannot change in Play: set it before the agent "
+                    + "is enabled");
         }
 
         internal static RayPerceptionOutput.RayOutput Cast(RayPerceptionInput input, int ray)

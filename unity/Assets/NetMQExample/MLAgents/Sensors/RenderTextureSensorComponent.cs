@@ -1,5 +1,4 @@
 // ML-Agents' shape, a render texture's sensor as a component.
-using System;
 using UnityEngine;
 using UnityEngine.Serialization;
 
@@ -7,7 +6,7 @@ namespace NetMQExample.MLAgents.Sensors
 {
     /// <summary>Pictures for the agent above it. Its fields have ML-Agents' names.</summary>
     [AddComponentMenu("NetMQ Example/ML-Agents/Render Texture Sensor")]
-    public class RenderTextureSensorComponent : SensorComponent, IDisposable
+    public class RenderTextureSensorComponent : SensorComponent
     {
         [SerializeField, FormerlySerializedAs("renderTexture")] private RenderTexture m_RenderTexture;
         [SerializeField, FormerlySerializedAs("sensorName"), Tooltip("Sensors are sorted by it")]
@@ -17,8 +16,6 @@ namespace NetMQExample.MLAgents.Sensors
         [SerializeField, Range(1, 50), Tooltip("How many go together")] private int m_ObservationStacks = 1;
         [SerializeField, FormerlySerializedAs("compression"), Tooltip("Is kept and not used")]
         private SensorCompressionType m_Compression = SensorCompressionType.PNG;
-
-        private RenderTextureSensor sensor;
 
         /// <summary>The texture.</summary>
         public RenderTexture RenderTexture { get => m_RenderTexture; set => m_RenderTexture = value; }
@@ -40,18 +37,8 @@ namespace NetMQExample.MLAgents.Sensors
         {
             if (m_RenderTexture == null)
                 throw new UnityAgentsException($"{name}: its Render Texture Sensor has no Render Texture: give it one");
-            Dispose();
-            sensor = new RenderTextureSensor(m_RenderTexture, m_Grayscale, m_SensorName, m_Compression);
+            var sensor = new RenderTextureSensor(m_RenderTexture, m_Grayscale, m_SensorName, m_Compression);
             return new[] { StackingSensor.Of(sensor, m_ObservationStacks) };
         }
-
-        /// <summary>Destroys the texture of its sensor.</summary>
-        public void Dispose()
-        {
-            sensor?.Dispose();
-            sensor = null;
-        }
-
-        private void OnDestroy() => Dispose();
     }
 }

@@ -7,11 +7,10 @@ using System.Collections.ObjectModel;
 namespace NetMQExample.MLAgents.Sensors
 {
     /// <summary>So many observations of one sensor, as one. Pictures have so many times more channels.</summary>
-    public class StackingSensor : ISensor, IPicture
+    public class StackingSensor : BuiltInSensor, IPicture, IDisposable
     {
         private readonly ISensor wrapped;
-        private readonly ObservationSpec spec;
-        private readonly ObservationWriter writer = new ObservationWriter();
+        private readonly ObservationWriter local = new ObservationWriter();
         private readonly float[][] numbers;
         private readonly byte[][] pictures;
         private readonly int count, size;
@@ -20,43 +19,28 @@ namespace NetMQExample.MLAgents.Sensors
         /// <summary>Around a sensor.</summary>
         /// <exception cref="UnityAgentsException">It is no vector and no picture.</exception>
         public StackingSensor(ISensor wrapped, int numStackedObservations)
+            : base($"StackingSensor_size{numStackedObservations}_{wrapped.GetName()}",
+                Stacked(wrapped, numStackedObservations))
         {
             this.wrapped = wrapped;
             count = numStackedObservations;
-            var one = wrapped.GetObservationSpec();
-            var shape = one.Shape;
-            if (shape.Length != 1 && shape.Length != 3)
-                throw new UnityAgentsException($"{wrapped.GetName()} cannot be stacked: only vectors and pictures can be");
-            spec = new ObservationSpec(
-                shape.Length == 1
-                    ? new InplaceArray<int>(shape[0] * count)
-                    : new InplaceArray<int>(shape[0] * count, shape[1], shape[2]),
-                one.DimensionProperties, one.ObservationType);
             size = wrapped.ObservationSize();
             numbers = new float[count][];
             pictures = new byte[count][];
             for (var i = 0; i < count; i++)
             {
-                if (IsPicture) pictures[i] = new byte[size];
-                else numbers[i] = new float[size];
+                numbers[i] = new float[size];
+                pictures[i] = new byte[size];
             }
         }
 
-        bool IPicture.IsPicture => IsPicture;
-
-        private bool IsPicture => SensorRows.IsPicture(wrapped);
+        bool IPicture.IsPicture => SensorRows.IsPicture(wrapped);
 
         /// <inheritdoc/>
-        public int Write(ObservationWriter writer)
+        public override int Write(ObservationWriter writer)
         {
-            if (IsPicture)
-            {
-                ((IPicture)wrapped).Write(pictures[now]);
-                for (var i = 0; i < count * size; i++) writer[i] = pictures[(now + 1 + (i / size)) % count][i % size] / 255f;
-                return count * size;
-            }
-            this.writer.SetTarget(numbers[now], wrapped);
-            wrapped.Write(this.writer);
+            local.SetTarget(numbers[now], wrapped);
+            wrapped.Write(local);
             for (var i = 0; i < count; i++) writer.AddList(numbers[(now + 1 + i) % count], i * size);
             return count * size;
         }
@@ -68,34 +52,25 @@ namespace NetMQExample.MLAgents.Sensors
         }
 
         /// <inheritdoc/>
-        public void Update()
+        public override void Update()
         {
             wrapped.Update();
             now = (now + 1) % count;
         }
 
         /// <inheritdoc/>
-        public void Reset()
+        public override void Reset()
         {
             wrapped.Reset();
             for (var i = 0; i < count; i++)
             {
-                if (IsPicture) Array.Clear(pictures[i], 0, size);
-                else Array.Clear(numbers[i], 0, size);
+                Array.Clear(numbers[i], 0, size);
+                Array.Clear(pictures[i], 0, size);
             }
         }
 
-        /// <inheritdoc/>
-        public ObservationSpec GetObservationSpec() => spec;
-
-        /// <inheritdoc/>
-        public string GetName() => $"StackingSensor_size{count}_{wrapped.GetName()}";
-
-        /// <inheritdoc/>
-        public byte[] GetCompressedObservation() => null;
-
-        /// <inheritdoc/>
-        public CompressionSpec GetCompressionSpec() => wrapped.GetCompressionSpec();
+        /// <summary>Destroys the textures of its sensor.</summary>
+        public void Dispose() => (wrapped as IDisposable)?.Dispose();
 
         // A sensor alone, or in a stack.
         internal static ISensor Of(ISensor sensor, int stacks) => stacks > 1 ? new StackingSensor(sensor, stacks) : sensor;
@@ -106,6 +81,16 @@ namespace NetMQExample.MLAgents.Sensors
             var all = new List<float>(count * size);
             for (var i = 0; i < count; i++) all.AddRange(numbers[(now + 1 + i) % count]);
             return all.AsReadOnly();
+        }
+
+        private static ObservationSpec Stacked(ISensor one, int count)
+        {
+            var spec = one.GetObservationSpec();
+            var shape = (int[])spec.Shape.Clone();
+            shape[0] *= count;
+            return shape.Length == 1 || shape.Length == 3
+                ? new ObservationSpec(shape, spec.DimensionProperties, spec.ObservationType)
+                : throw new UnityAgentsException($"{one.GetName()} cannot be stacked: only vectors and pictures can be");
         }
     }
 }

@@ -6,25 +6,22 @@ using UnityEngine;
 namespace NetMQExample.MLAgents.Sensors
 {
     /// <summary>So many numbers. Too many are cut and too few are padded with zeros; both are said once.</summary>
-    public class VectorSensor : ISensor
+    public class VectorSensor : BuiltInSensor
     {
         private readonly List<float> numbers;
         private readonly ReadOnlyCollection<float> seen;
-        private readonly ObservationSpec spec;
-        private readonly string name;
         private readonly int size;
         private int warned;
 
         /// <summary>With a size; without a name it is called by its size.</summary>
         public VectorSensor(
             int observationSize, string name = null, ObservationType observationType = ObservationType.Default)
+            : base(string.IsNullOrEmpty(name) ? NameOf(observationSize, observationType) : name,
+                ObservationSpec.Vector(observationSize, observationType))
         {
-            var kind = observationType == ObservationType.Default ? "" : $"_{observationType}";
-            this.name = string.IsNullOrEmpty(name) ? $"VectorSensor_size{observationSize}{kind}" : name;
             numbers = new List<float>(observationSize);
             seen = numbers.AsReadOnly();
             size = warned = observationSize;
-            spec = ObservationSpec.Vector(observationSize, observationType);
         }
 
         /// <summary>Adds a number.</summary>
@@ -59,9 +56,7 @@ namespace NetMQExample.MLAgents.Sensors
         /// <summary>Adds x, y, z and w.</summary>
         public void AddObservation(Quaternion observation)
         {
-            AddObservation(observation.x);
-            AddObservation(observation.y);
-            AddObservation(observation.z);
+            AddObservation(new Vector3(observation.x, observation.y, observation.z));
             AddObservation(observation.w);
         }
 
@@ -75,15 +70,15 @@ namespace NetMQExample.MLAgents.Sensors
         }
 
         /// <inheritdoc/>
-        public int Write(ObservationWriter writer)
+        public override int Write(ObservationWriter writer)
         {
             var count = numbers.Count;
             if (count != size && count != warned)
             {
                 warned = count;
-                Debug.LogWarning($"{name} was given {count} numbers: "
-                    + (count > size ? $"the last {count - size} are cut" : $"{size - count} zeros are padded")
-                    + $". Set its size (Behavior Parameters, Vector Observation Size) to {count}");
+                Debug.LogWarning($"{GetName()} was given {count} numbers and has {size}: "
+                    + (count > size ? "the rest is cut" : "zeros are padded")
+                    + $". Set its size to {count}; that of CollectObservations is in Behavior Parameters");
             }
             if (count > size) numbers.RemoveRange(size, count - size);
             while (numbers.Count < size) numbers.Add(0);
@@ -92,22 +87,13 @@ namespace NetMQExample.MLAgents.Sensors
         }
 
         /// <inheritdoc/>
-        public void Update() => numbers.Clear();
+        public override void Update() => numbers.Clear();
 
         /// <inheritdoc/>
-        public void Reset() => numbers.Clear();
+        public override void Reset() => numbers.Clear();
 
-        /// <inheritdoc/>
-        public ObservationSpec GetObservationSpec() => spec;
-
-        /// <inheritdoc/>
-        public string GetName() => name;
-
-        /// <inheritdoc/>
-        public virtual byte[] GetCompressedObservation() => null;
-
-        /// <inheritdoc/>
-        public CompressionSpec GetCompressionSpec() => CompressionSpec.Default();
+        private static string NameOf(int size, ObservationType type) =>
+            $"VectorSensor_size{size}{(type == ObservationType.Default ? "" : $"_{type}")}";
 
         // What was added since the last decision.
         internal ReadOnlyCollection<float> GetObservations() => seen;

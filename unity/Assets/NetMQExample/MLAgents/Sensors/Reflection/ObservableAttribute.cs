@@ -4,6 +4,7 @@
 //     [Observable(numStackedObservations: 3)] Vector3 Way => transform.forward;
 using System;
 using System.Collections.Generic;
+using System.Linq;
 using System.Reflection;
 using UnityEngine;
 
@@ -26,21 +27,13 @@ namespace NetMQExample.MLAgents.Sensors.Reflection
     }
 
     /// <summary>The sensor of one member.</summary>
-    internal sealed class ObservableSensor : ISensor
+    internal sealed class ObservableSensor : BuiltInSensor
     {
         private const BindingFlags Any = BindingFlags.Instance | BindingFlags.Public | BindingFlags.NonPublic;
         private readonly Func<object> read;
-        private readonly Array values;
-        private readonly bool isFlags;
-        private readonly VectorSensor numbers;
 
-        private ObservableSensor(string name, Type type, Func<object> read)
-        {
+        private ObservableSensor(string name, int size, Func<object> read) : base(name, ObservationSpec.Vector(size)) =>
             this.read = read;
-            values = type.IsEnum ? Enum.GetValues(type) : null;
-            isFlags = type.IsDefined(typeof(FlagsAttribute), false);
-            numbers = new VectorSensor(SizeOf(type), name);
-        }
 
         public static IEnumerable<ISensor> Of(object agent, bool ownOnly)
         {
@@ -52,62 +45,44 @@ namespace NetMQExample.MLAgents.Sensors.Reflection
                     yield return sensor;
         }
 
-        public int Write(ObservationWriter writer)
+        public override int Write(ObservationWriter writer)
         {
-            numbers.Update();
-            Add(read());
-            return numbers.Write(writer);
+            var numbers = Numbers(read());
+            for (var i = 0; i < numbers.Length; i++)
+                writer[i] = UnityAgentsException.Finite(numbers[i], GetName());
+            return numbers.Length;
         }
-
-        public void Update() { }
-
-        public void Reset() { }
-
-        public ObservationSpec GetObservationSpec() => numbers.GetObservationSpec();
-
-        public string GetName() => numbers.GetName();
-
-        public byte[] GetCompressedObservation() => null;
-
-        public CompressionSpec GetCompressionSpec() => CompressionSpec.Default();
 
         private static ISensor Of(MemberInfo member, Type type, Func<object> read)
         {
             var asked = member.GetCustomAttribute<ObservableAttribute>();
             if (asked == null) return null;
             var place = $"{member.DeclaringType.Name}.{member.Name}";
-            if (SizeOf(type) == 0 || member is PropertyInfo property && !property.CanRead)
+            var numbers = type.IsValueType ? Numbers(Activator.CreateInstance(type)) : null;
+            if (numbers == null || member is PropertyInfo property && !property.CanRead)
             {
                 Debug.LogError($"[Observable] {place} cannot be seen: give it a getter, and one of the types int, bool, "
                     + "float, Vector2, Vector3, Vector4, Quaternion or an enum");
                 return null;
             }
             var name = string.IsNullOrEmpty(asked.Name) ? $"ObservableAttribute:{place}" : asked.Name;
-            return StackingSensor.Of(new ObservableSensor(name, type, read), asked.Stacks);
+            return StackingSensor.Of(new ObservableSensor(name, numbers.Length, read), asked.Stacks);
         }
 
-        private static int SizeOf(Type type) =>
-            type.IsEnum ? Enum.GetValues(type).Length
-            : type == typeof(int) || type == typeof(bool) || type == typeof(float) ? 1
-            : type == typeof(Vector2) ? 2
-            : type == typeof(Vector3) ? 3
-            : type == typeof(Vector4) || type == typeof(Quaternion) ? 4 : 0;
-
-        private void Add(object value)
+        private static float[] Numbers(object value) => value switch
         {
-            switch (value)
-            {
-                case int number: numbers.AddObservation(number); break;
-                case bool flag: numbers.AddObservation(flag); break;
-                case float number: numbers.AddObservation(number); break;
-                case Vector2 vector: numbers.AddObservation(vector); break;
-                case Vector3 vector: numbers.AddObservation(vector); break;
-                case Quaternion turn: numbers.AddObservation(turn); break;
-                case Vector4 vector: numbers.AddObservation(new[] { vector.x, vector.y, vector.z, vector.w }); break;
-                case Enum one:
-                    foreach (Enum each in values) numbers.AddObservation(isFlags ? one.HasFlag(each) : each.Equals(one));
-                    break;
-            }
-        }
+            int number => new float[] { number },
+            bool flag => new float[] { flag ? 1 : 0 },
+            float number => new[] { number },
+            Vector2 v => new[] { v.x, v.y },
+            Vector3 v => new[] { v.x, v.y, v.z },
+            Vector4 v => new[] { v.x, v.y, v.z, v.w },
+            Quaternion q => new[] { q.x, q.y, q.z, q.w },
+            Enum choice => Enum.GetValues(choice.GetType()).Cast<Enum>().Select(one => Has(choice, one) ? 1f : 0).ToArray(),
+            _ => null,
+        };
+
+        private static bool Has(Enum choice, Enum one) =>
+            choice.GetType().IsDefined(typeof(FlagsAttribute), false) ? choice.HasFlag(one) : choice.Equals(one);
     }
 }
