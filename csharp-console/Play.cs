@@ -56,6 +56,10 @@ namespace NetMQExample.Terminal
             var ends = fields.Any(field => field.Name == "seconds");
             var untilDone = ends || !arguments.Has("seconds");
             var limit = ends ? TimeSpan.FromDays(1) : arguments.Seconds("seconds", 86400);
+            // The academy of ML-Agents' agents reads both itself, and their scripts have no such field.
+            arguments.Text("mlagents-port", "");
+            if (fields.All(field => field.Name != "endpoint") && types.Any(typeof(MLAgents.Agent).IsAssignableFrom))
+                arguments.Text("endpoint", "");
             var settings = All(arguments, "set").Select(Setting).ToList();
             var clicks = All(arguments, "click");
             var added = All(arguments, "add")

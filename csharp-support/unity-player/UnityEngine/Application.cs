@@ -14,6 +14,40 @@ namespace UnityEditor
         public static event AssemblyReloadCallback beforeAssemblyReload;
         internal static void SayReloading() => beforeAssemblyReload?.Invoke();
     }
+
+    public enum PlayModeStateChange
+    {
+        EnteredEditMode,
+        ExitingEditMode,
+    }
+
+    public sealed class EditorApplication
+    {
+        public static CallbackFunction update;
+
+        public delegate void CallbackFunction();
+
+        public static event Action quitting;
+
+        public static event Action<PlayModeStateChange> playModeStateChanged;
+
+        private static bool playing;
+
+        // Setting it presses the button: the Play ends with this frame.
+        public static bool isPlaying
+        {
+            get => playing || UnityEngine.Application.Playing;
+            set
+            {
+                playing = value;
+                UnityEngine.Application.QuitAsked |= !value;
+            }
+        }
+
+        internal static void SayQuitting() => quitting?.Invoke();
+
+        internal static void Say(PlayModeStateChange state) => playModeStateChanged?.Invoke(state);
+    }
 }
 
 namespace UnityEngine

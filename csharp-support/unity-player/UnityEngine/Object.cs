@@ -8,6 +8,7 @@ namespace UnityEngine
     {
         internal bool Destroyed { get; set; }
         // A component has none of its own: it answers with that of its game object.
+        public HideFlags hideFlags { get; set; }
         internal virtual string Title { get; set; } = "";
         public string name { get => MainThread.Of("GetName", Title); set => Title = MainThread.Of("SetName", value); }
         public static void Destroy(Object obj) => Destroy(obj, 0);
@@ -83,6 +84,9 @@ namespace UnityEngine
         public override string ToString() => $"{Title} ({GetType().FullName})";
         private static bool IsGone(Object thing) => thing is null || thing.Destroyed;
     }
+
+    [Flags]
+    public enum HideFlags { None = 0, HideInHierarchy = 1, HideInInspector = 2, DontSave = 52, HideAndDontSave = 61 }
 
     public enum FindObjectsInactive { Exclude, Include }
     public enum FindObjectsSortMode { None, InstanceID }

@@ -109,7 +109,8 @@ namespace NetMQExample.Tests
                 it => it.Receive(second, default));
             Client(new ViewSender(Endpoint), "", null);
             Client(new BodyListener(Endpoint), "", null, it => it.Receive(second));
-            Client(new MLAgents.SideChannels.SideChannelCarrier(Endpoint), "", null, it => it.Exchange(new byte[0], second));
+            Client(new MLAgents.SideChannels.SideChannelCarrier(Endpoint), "", null,
+                it => it.Exchange(new byte[0], second));
             Client(WebRequester.To("http://127.0.0.1:5551", "hello"), "", null);
             Client(new BackgroundClient(Endpoint), "text", it => it.Request(null, null));
             Client(new BackgroundClient(Endpoint), "text has more", it => it.Request(tooLong, null));

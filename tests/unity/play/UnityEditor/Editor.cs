@@ -31,29 +31,6 @@ namespace UnityEditor
         public void Repaint() { }
     }
 
-    public enum PlayModeStateChange
-    {
-        EnteredEditMode,
-        ExitingEditMode,
-    }
-
-    public sealed class EditorApplication
-    {
-        public static CallbackFunction update;
-
-        public delegate void CallbackFunction();
-
-        public static event Action quitting;
-
-        public static event Action<PlayModeStateChange> playModeStateChanged;
-
-        public static bool isPlaying { get; set; }
-
-        internal static void SayQuitting() => quitting?.Invoke();
-
-        internal static void Say(PlayModeStateChange state) => playModeStateChanged?.Invoke(state);
-    }
-
     /// <summary>Settings that outlive the editor.</summary>
     public sealed class EditorPrefs
     {

@@ -33,6 +33,7 @@ namespace NetMQExample
         // Why it is in no environment.
         private string why = Nothing;
         private int tries;
+        private bool welcomed;
 
         /// <summary>Connects, which succeeds even while no environment is there.</summary>
         /// <param name="endpoint">The environment, such as <c>tcp://127.0.0.1:5559</c>.</param>
@@ -54,6 +55,9 @@ namespace NetMQExample
                     HeartbeatInterval = Try, HeartbeatTimeout = Try + Try },
             }, 4 * Message.LimitBytes);
         }
+
+        // Whether an environment that is lost is the last one.
+        internal bool Once { get; set; }
 
         /// <summary>Serves until it is closed.</summary>
         /// <param name="simulator">What answers.</param>
@@ -80,6 +84,7 @@ namespace NetMQExample
                     // A refusal is told at once, and once; it says more than the silence that may come after it.
                     if (e is MessageException && why != e.Message) report($"trouble: {e.Message}");
                     if (e is MessageException || why == Nothing) why = e.Message;
+                    if (Once && welcomed) throw;
                     // A peer that refuses at once is not asked again at once.
                     stop.WaitHandle.WaitOne(timeout < Try ? timeout : Try / 5);
                 }
@@ -121,6 +126,7 @@ namespace NetMQExample
             connection.Socket.Options.ReconnectInterval = Timeout.InfiniteTimeSpan;
             var request = Receive(limit, stop);
             if (request?.Kind != "welcome") throw new MessageException("no-welcome", "hello had another answer");
+            welcomed = true;
             report($"simulating {name} for {endpoint}");
             // Without a request for so long, it says hello again. A learner may be silent for an hour; lesson 17's hub
             // never is, and says for how long at most.

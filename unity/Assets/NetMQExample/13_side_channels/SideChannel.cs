@@ -27,6 +27,9 @@ namespace NetMQExample.MLAgents.SideChannels
         /// <summary>The same on both sides; set it in the constructor.</summary>
         public Guid ChannelId { get; protected set; }
 
+        // Whether there is anything to send, or to say about what was dropped.
+        internal bool HasMore => queue.Count > 0 || dropped > 0;
+
         internal virtual void ProcessMessage(byte[] message)
         {
             using var incoming = new IncomingMessage(message);

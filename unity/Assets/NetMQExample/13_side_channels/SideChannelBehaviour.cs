@@ -47,7 +47,7 @@ namespace NetMQExample.MLAgents.SideChannels
         protected override void OnDisable()
         {
             base.OnDisable();
-            Academy.Instance.Dispose();
+            if (Academy.IsInitialized) Academy.Instance.Dispose();
         }
 
         /// <inheritdoc/>

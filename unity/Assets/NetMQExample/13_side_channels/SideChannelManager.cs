@@ -47,10 +47,20 @@ namespace NetMQExample.MLAgents.SideChannels
             if (Channels.Remove(sideChannel) && Channels.Count == 0) Unknown.Clear();
         }
 
+        internal static void UnregisterAllSideChannels()
+        {
+            Channels.Clear();
+            Unknown.Clear();
+        }
+
         /// <summary>The queued messages of all channels, by order of registration, then of queueing. A message that
         /// would make it too large stays queued for the next exchange.</summary>
         public static byte[] GetSideChannelMessage()
         {
+            var any = false;
+            foreach (var channel in Channels) any |= channel.HasMore;
+            // Most exchanges are empty, and cost nothing then.
+            if (!any) return Array.Empty<byte>();
             using var data = new MemoryStream();
             using var writer = new BinaryWriter(data);
             foreach (var channel in Channels)

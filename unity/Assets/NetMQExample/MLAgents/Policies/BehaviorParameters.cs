@@ -69,8 +69,7 @@ namespace NetMQExample.MLAgents.Policies
         /// <summary>Whether the agent's Heuristic decides: so it does in place of a model, too.</summary>
         public bool IsInHeuristicMode() => m_BehaviorType != BehaviorType.Default || !PythonIsThere;
 
-        // C1: Academy.Instance.IsCommunicatorOn, as soon as it is there.
-        private static bool PythonIsThere => false;
+        private static bool PythonIsThere => Academy.IsInitialized && Academy.Instance.IsCommunicatorOn;
 
         private void Start() => Check();
 

@@ -1,0 +1,282 @@
+// ML-Agents' shape, what an agent has between its methods: requests, rewards, rows and the order of all that.
+//
+// An end is observed at once and its row kept for the next exchange; the new episode begins at once, and its first row
+// goes when the agent asks. A row's reward is what came since the agent's own last row.
+using System;
+using System.Collections.Generic;
+using NetMQExample.MLAgents.Actuators;
+using NetMQExample.MLAgents.Inference;
+using NetMQExample.MLAgents.Policies;
+using NetMQExample.MLAgents.Sensors;
+using UnityEngine;
+
+namespace NetMQExample.MLAgents
+{
+    /// <summary>The inside of one agent.</summary>
+    internal sealed class AgentLife
+    {
+        // Where the sensors write for nobody, so that stacked ones go on.
+        private static readonly FrameBuffer Nobody = new FrameBuffer();
+
+        private readonly Agent agent;
+        private SceneKind kind;
+        private bool lives, ended, requestsDecision, requestsAction, decides, left;
+        // The name of its own method that is running and in which no episode may end, or null.
+        private string within;
+
+        public AgentLife(Agent agent)
+        {
+            this.agent = agent;
+            Old = new AgentOfOld(agent, this);
+        }
+
+        /// <summary>Told once when it leaves: to its group.</summary>
+        public event Action<Agent> Left;
+
+        public AgentOfOld Old { get; }
+
+        public string Name => agent.name;
+
+        public BehaviorParameters Parameters { get; private set; }
+
+        /// <summary>From OnEnable to OnDisable.</summary>
+        public int Id { get; private set; }
+
+        /// <summary>The name of its behavior in Python.</summary>
+        public string Behavior { get; private set; }
+
+        /// <summary>Whether Python decides for it.</summary>
+        public bool IsPythons { get; private set; }
+
+        public ActionSpec Spec { get; private set; }
+
+        public List<ISensor> Sensors { get; private set; } = new List<ISensor>();
+
+        public VectorSensor Vector { get; private set; }
+
+        public StackingSensor Stacked { get; private set; }
+
+        public DiscreteActionMask Mask { get; private set; }
+
+        /// <summary>What it acts by; and what was decided last, by Python or by its Heuristic.</summary>
+        public ActionBuffers Stored { get; private set; }
+
+        public ActionBuffers Decided { get; private set; }
+
+        public int StepCount { get; private set; }
+
+        public int CompletedEpisodes { get; private set; }
+
+        public float CumulativeReward { get; private set; }
+
+        /// <summary>Since its last row, and as that row has it.</summary>
+        public float Reward { get; private set; }
+
+        public float RowReward { get; private set; }
+
+        public float GroupReward { get; set; }
+
+        public float RowGroupReward { get; private set; }
+
+        public int GroupId { get; set; }
+
+        public void Begin()
+        {
+            if (lives) return;
+            lives = true;
+            left = ended = false;
+            var academy = Academy.Instance;
+            Parameters = agent.GetComponent<BehaviorParameters>();
+            Parameters.Changed += ReloadPolicy;
+            Spec = Parameters.BrainParameters.ActionSpec;
+            Stored = new ActionBuffers(Spec);
+            Decided = new ActionBuffers(Spec);
+            Mask = new DiscreteActionMask(Spec.BranchSizes ?? Array.Empty<int>());
+            Id = academy.Join(this);
+            AgentOfOld.LookForHidden(agent);
+            ReloadPolicy();
+            agent.Initialize();
+            Sensors = SensorList.Of(agent, Parameters, out var vector, out var stacked);
+            Vector = vector;
+            Stacked = stacked;
+            // Until the first step nobody begins: that is for when all are there.
+            if (academy.TotalStepCount > 0) BeginEpisode();
+        }
+
+        public void End()
+        {
+            if (!lives) return;
+            lives = false;
+            Parameters.Changed -= ReloadPolicy;
+            try
+            {
+                // Where the academy is gone, Play is over.
+                if (Academy.IsInitialized)
+                {
+                    Academy.Instance.Leave(this);
+                    Finish(false, true);
+                }
+            }
+            finally
+            {
+                foreach (var sensor in Sensors) (sensor as IDisposable)?.Dispose();
+                Left?.Invoke(agent);
+            }
+        }
+
+        public void Request(bool decision)
+        {
+            requestsAction = true;
+            requestsDecision |= decision;
+            if (!lives && !left && agent.isActiveAndEnabled)
+            {
+                left = true;
+                AgentOfOld.LookForHidden(agent);
+            }
+        }
+
+        public void Earn(float reward, bool replaces)
+        {
+            if (replaces) reward -= Reward;
+            Reward += reward;
+            CumulativeReward += reward;
+        }
+
+        public void EndEpisode(string method, bool interrupted)
+        {
+            if (within != null)
+                throw new UnityAgentsException($"{agent.name}: {method} was called in {within}: call it in "
+                    + "OnActionReceived, or where the scene finds the end");
+            Finish(interrupted, false);
+            BeginAnew();
+        }
+
+        public void SetModel(string behaviorName, UnityEngine.Object model, InferenceDevice device)
+        {
+            var same = behaviorName == Parameters.BehaviorName && model == Parameters.Model
+                && device == Parameters.InferenceDevice;
+            if (same) return;
+            Finish(false, true);
+            Parameters.Model = model;
+            Parameters.InferenceDevice = device;
+            Parameters.BehaviorName = behaviorName;
+        }
+
+        public void BeginAnew()
+        {
+            Stored.Clear();
+            Mask.Clear();
+            StepCount = 0;
+            BeginEpisode();
+        }
+
+        public void CountStep() => StepCount++;
+
+        public void Observe()
+        {
+            if (!requestsDecision || !lives) return;
+            Collect();
+            Mask.Clear();
+            if (Spec.NumDiscreteActions > 0) agent.WriteDiscreteActionMask(Mask);
+            Mask.Check();
+            ended = false;
+            RowReward = Reward;
+            RowGroupReward = GroupReward;
+            if (IsPythons) Kind().Want(this);
+            else Pass();
+            Row(true);
+            Reward = GroupReward = 0;
+            requestsDecision = false;
+        }
+
+        public void Decide()
+        {
+            if (!lives) return;
+            if (decides && !IsPythons)
+            {
+                Decided.Clear();
+                if (Spec.NumContinuousActions + Spec.NumDiscreteActions > 0) agent.Heuristic(Decided);
+            }
+            decides = false;
+            Copy(Decided.ContinuousActions, Stored.ContinuousActions);
+            Copy(Decided.DiscreteActions, Stored.DiscreteActions);
+        }
+
+        public void Act()
+        {
+            if (!lives) return;
+            if (requestsAction)
+            {
+                requestsAction = false;
+                if (Spec.NumContinuousActions + Spec.NumDiscreteActions > 0) agent.OnActionReceived(Stored);
+            }
+            if (agent.MaxStep <= 0 || StepCount < agent.MaxStep) return;
+            Finish(true, false);
+            BeginAnew();
+        }
+
+        // The last row of an episode; a second end before the next decision has none.
+        private void Finish(bool interrupted, bool leaves)
+        {
+            if (ended) return;
+            ended = true;
+            // What is earned while it is seen for the last time is lost.
+            RowReward = Reward;
+            RowGroupReward = GroupReward;
+            Collect();
+            if (IsPythons) Kind().End(this, interrupted);
+            else Pass();
+            Row(false);
+            foreach (var sensor in Sensors) sensor.Reset();
+            if (!leaves) CompletedEpisodes++;
+            Reward = GroupReward = CumulativeReward = 0;
+            requestsAction = requestsDecision = false;
+        }
+
+        private void Collect()
+        {
+            foreach (var sensor in Sensors) sensor.Update();
+            within = nameof(Agent.CollectObservations);
+            try { agent.CollectObservations(Vector); }
+            finally { within = null; }
+        }
+
+        private void BeginEpisode()
+        {
+            within = nameof(Agent.OnEpisodeBegin);
+            try { agent.OnEpisodeBegin(); }
+            finally { within = null; }
+        }
+
+        private SceneKind Kind() => kind ??= Academy.Instance.Clock.KindOf(this);
+
+        // What was decided before a row counts no more; a heuristic's stays until its next decision.
+        private void Row(bool wants)
+        {
+            decides = wants;
+            if (!IsPythons) return;
+            Decided.Clear();
+            Academy.Instance.Clock.HasRows = true;
+        }
+
+        private void Pass()
+        {
+            Nobody.Clear();
+            foreach (var sensor in Sensors)
+                // A picture that nobody sees costs too much.
+                if (!SensorRows.IsPicture(sensor)) SensorRows.Write(sensor, Nobody);
+        }
+
+        private void ReloadPolicy()
+        {
+            if (!lives) return;
+            IsPythons = Parameters.BehaviorType == BehaviorType.Default && Academy.Instance.IsCommunicatorOn;
+            Behavior = Parameters.FullyQualifiedBehaviorName;
+            kind = null;
+            Decided.Clear();
+        }
+
+        private static void Copy<T>(ActionSegment<T> from, ActionSegment<T> to) where T : struct =>
+            Array.Copy(from.Array, to.Array, to.Length);
+    }
+}

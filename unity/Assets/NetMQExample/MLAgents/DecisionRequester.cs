@@ -1,0 +1,61 @@
+// ML-Agents' shape, the decision requester: its agent asks for a decision every few steps of the academy.
+//
+// Use: put it on the agent's GameObject. Scenes of ML-Agents have it already.
+using UnityEngine;
+using UnityEngine.Serialization;
+
+namespace NetMQExample.MLAgents
+{
+    /// <summary>Asks for the agent on the same GameObject.</summary>
+    [AddComponentMenu("NetMQ Example/ML-Agents/Decision Requester")]
+    [RequireComponent(typeof(Agent)), DefaultExecutionOrder(-10)]
+    public class DecisionRequester : MonoBehaviour
+    {
+        /// <summary>How many steps from one decision to the next.</summary>
+        [Range(1, 20), Tooltip("How many steps from one decision to the next")] public int DecisionPeriod = 5;
+
+        /// <summary>In which of these steps it decides, from 0 on.</summary>
+        [Range(0, 19), Tooltip("In which of these steps it decides, from 0 on")] public int DecisionStep;
+
+        /// <summary>Whether it acts in the steps between as well.</summary>
+        [FormerlySerializedAs("RepeatAction"), Tooltip("Whether it acts in the steps between as well")]
+        public bool TakeActionsBetweenDecisions = true;
+
+        /// <summary>What a decision about asking may depend on.</summary>
+        public struct DecisionRequestContext
+        {
+            /// <summary>Steps of the academy before this one.</summary>
+            public int AcademyStepCount;
+        }
+
+        /// <summary>The agent that asks.</summary>
+        public Agent Agent { get; private set; }
+
+        /// <summary>Whether to ask for a decision in this step.</summary>
+        protected virtual bool ShouldRequestDecision(DecisionRequestContext context) =>
+            context.AcademyStepCount % DecisionPeriod == DecisionStep;
+
+        /// <summary>Whether to act in this step.</summary>
+        protected virtual bool ShouldRequestAction(DecisionRequestContext context) => TakeActionsBetweenDecisions;
+
+        private void Awake()
+        {
+            if (DecisionStep >= DecisionPeriod)
+                Debug.LogError($"{name}: it never decides: Decision Step is below Decision Period ({DecisionPeriod})");
+            Agent = GetComponent<Agent>();
+            Academy.Instance.AgentPreStep += Ask;
+        }
+
+        private void OnDestroy()
+        {
+            if (Academy.IsInitialized) Academy.Instance.AgentPreStep -= Ask;
+        }
+
+        private void Ask(int academyStepCount)
+        {
+            var context = new DecisionRequestContext { AcademyStepCount = academyStepCount };
+            if (ShouldRequestDecision(context)) Agent.RequestDecision();
+            if (ShouldRequestAction(context)) Agent.RequestAction();
+        }
+    }
+}

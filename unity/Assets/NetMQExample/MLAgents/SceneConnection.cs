@@ -1,0 +1,137 @@
+// ML-Agents' shape, the connection: whether Python is there is found out once, and from then on it decides.
+//
+// A build takes the port from --mlagents-port 5005, as ML-Agents' own, or the endpoint from --endpoint; the editor has
+// the port 5004. A ZeroMQ connection is never refused, so a plain one comes first: without Python Play begins at once.
+// The main thread waits in each step that has something to tell, but never for a Python that is gone.
+using System;
+using System.Diagnostics;
+using System.Net;
+using System.Net.Sockets;
+using System.Threading;
+using UnityEngine;
+using Debug = UnityEngine.Debug;
+
+namespace NetMQExample.MLAgents
+{
+    /// <summary>A network thread that serves Python. Its other members are for the main thread.</summary>
+    internal sealed class SceneConnection : IDisposable
+    {
+        private const int EditorPort = 5004;
+        // Milliseconds: on Windows a refused connection of one's own machine takes two seconds.
+        private const int Near = 300, Far = 3000;
+        private static readonly TimeSpan Patience = TimeSpan.FromSeconds(30);
+
+        private readonly Handover handover = new Handover();
+        private readonly CancellationTokenSource stop = new CancellationTokenSource();
+        private readonly Thread thread;
+        private volatile string why;
+        private bool gone;
+
+        private SceneConnection(string endpoint)
+        {
+            Clock.Mistake = Debug.LogException;
+            thread = new Thread(() => Talk(endpoint)) { IsBackground = true, Name = nameof(SceneConnection) };
+            thread.Start();
+        }
+
+        public SceneClock Clock { get; } = new SceneClock();
+
+        /// <summary>Connects, and waits for Python's first reset.</summary>
+        /// <returns>Null: there is no Python.</returns>
+        public static SceneConnection ToPython()
+        {
+            var endpoint = Endpoint();
+            if (endpoint == null) return null;
+            if (!Listens(endpoint))
+            {
+                Debug.Log($"no Python at {endpoint}: Heuristic decides; to train, start Python before you press Play");
+                return null;
+            }
+            var made = new SceneConnection(endpoint);
+            if (made.Next())
+            {
+                // Without it Unity stops where another window has the focus, and Python would wait.
+                Application.runInBackground = true;
+                return made;
+            }
+            Debug.LogWarning($"trouble: {made.why}; Heuristic decides");
+            made.Dispose();
+            return null;
+        }
+
+        /// <summary>Tells Python what there is to tell, and hears what it says.</summary>
+        /// <returns>Whether all begins anew.</returns>
+        public bool Exchange()
+        {
+            if (!Clock.HasRows || gone) return false;
+            Clock.Answered = false;
+            if (Next()) return Clock.Resets;
+            gone = true;
+            if (stop.IsCancellationRequested) return false;
+            Debug.Log($"Play ends: {why}");
+#if UNITY_EDITOR
+            UnityEditor.EditorApplication.isPlaying = false;
+#endif
+            Application.Quit();
+            return false;
+        }
+
+        public void Dispose()
+        {
+            stop.Cancel();
+            NetworkThread.Join(thread);
+        }
+
+        // Does what the network thread asks for until there is a request to wait for a step. It lives as long as Python
+        // does.
+        private bool Next()
+        {
+            while (thread.IsAlive)
+            {
+                handover.DoNext(20);
+                if (Clock.Answered && Clock.Waiting) return true;
+            }
+            return false;
+        }
+
+        private void Talk(string endpoint)
+        {
+            try
+            {
+                using var client = new EnvironmentClient(endpoint, Patience, Debug.Log) { Once = true };
+                client.Run(Clock, 0, work => handover.Do(work, stop.Token), stop.Token);
+                why = "Python has closed it";
+            }
+            catch (ThreadAbortException) { /* The domain is being unloaded. */ }
+            catch (Exception e) { why = LogText.Why(e); }
+        }
+
+        private static string Endpoint()
+        {
+            var words = Environment.GetCommandLineArgs();
+            var at = Array.LastIndexOf(words, "--mlagents-port") + 1;
+            if (at > 0 && at < words.Length) return $"tcp://127.0.0.1:{words[at]}";
+            at = Array.LastIndexOf(words, "--endpoint") + 1;
+            if (at > 0 && at < words.Length) return words[at];
+#if UNITY_EDITOR
+            return $"tcp://127.0.0.1:{EditorPort}";
+#else
+            return null;
+#endif
+        }
+
+        private static bool Listens(string endpoint)
+        {
+            // One that is looked for by a beacon, or is wrong: the connection says so.
+            if (!Uri.TryCreate(endpoint, UriKind.Absolute, out var place) || place.Scheme != "tcp") return true;
+            using var probe = new TcpClient();
+            try
+            {
+                var here = IPAddress.TryParse(place.Host, out var address) && IPAddress.IsLoopback(address);
+                return probe.ConnectAsync(place.Host, place.Port).Wait(here ? Near : Far);
+            }
+            // It is refused, or there is no such host.
+            catch (AggregateException) { return false; }
+        }
+    }
+}

@@ -1,0 +1,89 @@
+// ML-Agents' shape, a group: agents that earn together. A script makes it and registers its agents.
+using System;
+using System.Collections.Generic;
+using System.Linq;
+using System.Threading;
+
+namespace NetMQExample.MLAgents
+{
+    /// <summary>Agents that belong together.</summary>
+    public interface IMultiAgentGroup
+    {
+        /// <summary>Its number, from 1 on.</summary>
+        int GetId();
+
+        /// <summary>Takes an agent in.</summary>
+        void RegisterAgent(Agent agent);
+
+        /// <summary>Lets an agent go.</summary>
+        void UnregisterAgent(Agent agent);
+    }
+
+    /// <summary>Rewards and ends for all of its agents. An agent that is disabled leaves it.</summary>
+    public class SimpleMultiAgentGroup : IMultiAgentGroup, IDisposable
+    {
+        private static int made;
+
+        private readonly List<Agent> agents = new List<Agent>();
+        private readonly int id = Interlocked.Increment(ref made);
+
+        /// <inheritdoc/>
+        public int GetId() => id;
+
+        /// <inheritdoc/>
+        /// <exception cref="UnityAgentsException">It is in another group.</exception>
+        public virtual void RegisterAgent(Agent agent)
+        {
+            if (agents.Contains(agent)) return;
+            if (agent.Life.GroupId != 0 && agent.Life.GroupId != id)
+                throw new UnityAgentsException($"{agent.name} is in another group: unregister it there first");
+            agent.Life.GroupId = id;
+            agent.Life.Left += UnregisterAgent;
+            agents.Add(agent);
+        }
+
+        /// <inheritdoc/>
+        public virtual void UnregisterAgent(Agent agent)
+        {
+            if (!agents.Remove(agent)) return;
+            agent.Life.GroupId = 0;
+            agent.Life.Left -= UnregisterAgent;
+        }
+
+        /// <summary>Those that are in it.</summary>
+        public IReadOnlyCollection<Agent> GetRegisteredAgents() => agents;
+
+        /// <summary>Adds to the group's reward in each agent's next row.</summary>
+        public void AddGroupReward(float reward)
+        {
+            UnityAgentsException.Finite(reward, nameof(AddGroupReward));
+            foreach (var agent in agents) agent.Life.GroupReward += reward;
+        }
+
+        /// <summary>Replaces the group's reward in each agent's next row.</summary>
+        public void SetGroupReward(float reward)
+        {
+            UnityAgentsException.Finite(reward, nameof(SetGroupReward));
+            foreach (var agent in agents) agent.Life.GroupReward = reward;
+        }
+
+        /// <summary>The episode is over for all of them.</summary>
+        public void EndGroupEpisode()
+        {
+            // A copy: the next episode may begin with others.
+            foreach (var agent in agents.ToArray()) agent.EndEpisode();
+        }
+
+        /// <summary>The same for another reason than an end of the task, such as the time.</summary>
+        public void GroupEpisodeInterrupted()
+        {
+            foreach (var agent in agents.ToArray()) agent.EpisodeInterrupted();
+        }
+
+        /// <summary>Lets all go.</summary>
+        public virtual void Dispose()
+        {
+            foreach (var agent in agents.ToArray()) UnregisterAgent(agent);
+        }
+    }
+}
