@@ -3,7 +3,7 @@
     done = Done(Dict(steer=Box(-1, 1, (2,)), gear=Discrete(5)))             done.spec: 2 floats and a branch of 5
     batch = done.batch(floats, whole_numbers)                               as Gymnasium batches actions
     seen = Seen(Dict(eye=Box(0, 255, (24, 32, 3), np.uint8)), done.spec)    seen.specs: eye, [3, 24, 32]
-    arrays = seen.split(batch of observations)
+    arrays = seen.split(seen.parts(batch of observations))
 
 It needs gymnasium and numpy.
 """
@@ -60,6 +60,8 @@ class Done:
         at = len(self.branches)
         self.branches += np.ravel(counts).tolist()
         end = len(self.branches)
+        if not np.any(start):
+            return lambda _, numbers: numbers[:, at:end].reshape(-1, *space.shape).astype(space.dtype)
         return lambda _, numbers: (numbers[:, at:end].reshape(-1, *space.shape) + start).astype(space.dtype)
 
 
@@ -78,16 +80,15 @@ class Seen:
 
     def __init__(self, space: spaces.Space[Any], done: ActionSpec, channels_first: bool) -> None:
         self.channels_first = channels_first
-        leaves = list(leaves_of(space, ()))
-        masks = [(path, leaf) for path, leaf in leaves if path[:1] == (MASK,)]
+        self.leaves = list(leaves_of(space, ()))
+        masks = [at for at, (path, _) in enumerate(self.leaves) if path[:1] == (MASK,)]
         # Of another size it is something else.
-        if not masks or sum(math.prod(leaf.shape) for _, leaf in masks) != sum(done.discrete_branches):
-            masks = []
-        self.masks = [path for path, _ in masks]
-        self.paths = [path for path, _ in leaves if path not in self.masks]
-        specs = [self.described(path, leaf) for path, leaf in leaves if path not in self.masks]
-        self.specs = [spec for spec, _ in specs]
-        self.readers = [reader for _, reader in specs]
+        size = sum(math.prod(self.leaves[at][1].shape) for at in masks)
+        self.masks = masks if size == sum(done.discrete_branches) else []
+        self.others = [at for at in range(len(self.leaves)) if at not in self.masks]
+        described = [self.described(*self.leaves[at]) for at in self.others]
+        self.specs = [spec for spec, _ in described]
+        self.readers = [reader for _, reader in described]
 
     def described(self, path: tuple[Any, ...], space: Any) -> tuple[ObservationSpec, Callable[[Any], Any]]:
         name = ".".join(map(str, path)) or "observation"
@@ -99,16 +100,20 @@ class Seen:
         properties = (DimensionProperty.NONE if len(shape) == 1 else DimensionProperty.UNSPECIFIED,) * len(shape)
         spec = ObservationSpec(shape, properties, ObservationType.DEFAULT, name)
         if space.dtype == np.float32 and space.shape:
-            return spec, lambda batch: batch
-        return spec, lambda batch: np.asarray(batch, np.float32).reshape(len(batch), *shape)
+            return spec, lambda part: part.copy()
+        return spec, lambda part: part.astype(np.float32).reshape(len(part), *shape)
 
-    def split(self, batch: Any) -> list[Any]:
-        return [read(part_of(batch, path)) for path, read in zip(self.paths, self.readers, strict=True)]
+    def parts(self, batch: Any) -> list[Any]:
+        """The part of each leaf."""
+        return [part_of(batch, path) for path, _ in self.leaves]
 
-    def allowed(self, batch: Any) -> Any:
+    def split(self, parts: list[Any]) -> list[Any]:
+        """A fresh array for each observation."""
+        return [read(parts[at]) for at, read in zip(self.others, self.readers, strict=True)]
+
+    def allowed(self, parts: list[Any]) -> Any:
         """Each row's masks side by side, as the scene has them: 1 may be done."""
-        parts = [part_of(batch, path) for path in self.masks]
-        return np.concatenate([part.reshape(len(part), -1) for part in parts], axis=1)
+        return np.concatenate([parts[at].reshape(len(parts[at]), -1) for at in self.masks], axis=1)
 
 
 def first(batch: Any) -> Any:

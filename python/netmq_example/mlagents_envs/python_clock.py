@@ -13,15 +13,15 @@ from gymnasium.spaces import Space
 from netmq_example.envs.actions import Actions, nearest
 from netmq_example.envs.episodes import Episodes
 from netmq_example.envs.kinds import Kind, SceneHello, agreed, read_hello, same_scene
-from netmq_example.envs.observations import NOBODY, observations_of
 from netmq_example.envs.remote import MASK, info_in
 from netmq_example.messages import Message, MessageError, take
 from netmq_example.mlagents_envs.clock import Clock, Turn, branches_of, rewards_of
 from netmq_example.mlagents_envs.plain import Done, Seen
+from netmq_example.mlagents_envs.rows import rows_of
 from netmq_example.mlagents_envs.specs import ActionTuple, BehaviorSpec
 from netmq_example.mlagents_envs.steps import DecisionSteps, TerminalSteps
 from netmq_example.wire import records
-from netmq_example.wire.batches import together
+from netmq_example.wire.batches import empty, together
 from netmq_example.wire.records import Record, Section
 
 NewIds = Callable[[int], Any]
@@ -104,11 +104,10 @@ class PythonClock(Clock):
         last = {one.kind: one for one in answer.sections[count:] if one.columns & records.ENDED}
         turns = {}
         for behavior, section in zip(self.behaviors, answer.sections, strict=False):
-            ended = None
-            if section.kind in last:
-                ended, who = behavior.ended(last[section.kind])
-                episodes.begun(who + behavior.kind.first)
+            ended = last.get(section.kind)
             turns[behavior.name] = behavior.turn(section, ended, begins, self.new_ids)
+            if ended:
+                episodes.begun([behavior.kind.first + row for row in ended.whose()])
         self.turns = turns
         self.away = None
         if any(behavior.away is not None for behavior in self.behaviors):
@@ -127,13 +126,14 @@ class Behavior:
         self.name = name
         self.count = len(kind.agents)
         self.rows = slice(kind.first, kind.first + self.count)
-        self.observation = agreed(kind, "observation", None if kind.observation else given[0])
+        observation = agreed(kind, "observation", None if kind.observation else given[0])
         action = agreed(kind, "action", None if kind.action else given[1])
         self.done = Done(action)
-        self.plain = Seen(self.observation, self.done.spec, channels_first)
+        self.plain = Seen(observation, self.done.spec, channels_first)
         self.spec = BehaviorSpec(self.plain.specs, self.done.spec)
         self.actions = Actions(action, kind)
-        self.seen = observations_of(self.observation, kind)
+        self.seen = rows_of(kind, observation, self.plain)
+        self.nothing = together(action, [empty(action, name)] * self.count)
         self.everybody = bytes([records.STEP]) * self.count
         self.all_seen = bytes([records.SEEN]) * self.count
         self.choices = sum(self.done.spec.discrete_branches)
@@ -143,24 +143,24 @@ class Behavior:
         self.here: Any = None
 
     def batch(self, action: ActionTuple | None) -> Any:
-        """Actions of all rows, where those that are away have zeros."""
+        """Actions of all rows. Without them it is zeros, or what is nearest to them."""
         if action is None:
-            action = self.done.spec.empty_action(self.count)
-        elif self.here is not None:
+            return self.nothing
+        if self.here is not None:
             given, action = action, self.done.spec.empty_action(self.count)
             action.continuous[self.here] = given.continuous
             action.discrete[self.here] = given.discrete
         return self.done.batch(action.continuous, action.discrete)
 
-    def turn(self, section: Section, ended: TerminalSteps | None, begins: bool, new_ids: NewIds) -> Turn:
-        anew: Any = range(self.count) if begins else NOBODY
-        if ended is not None:
-            anew = set(np.flatnonzero(np.isin(self.ids, ended.agent_id)).tolist())
-        self.seen.take(section, anew)
-        batch = self.seen.batch()
-        seen = self.plain.split(batch)
+    def turn(self, section: Section, last: Section | None, begins: bool, new_ids: NewIds) -> Turn:
+        who, ended = None, None
+        if last:
+            who = np.asarray(last.whose())
+            ended = self.ended(last, who)
+        parts = self.seen.take(section, begins, who)
+        seen = self.plain.split(parts)
         rewards = rewards_of(section)
-        masks = self.masks(section, batch) if self.choices else None
+        masks = self.masks(section, parts) if self.choices else None
         if section.marks != self.all_seen or self.away is not None:
             left = self.changed(np.frombuffer(section.marks, np.uint8), new_ids)
             known = [] if ended is None else ended.agent_id.tolist()
@@ -189,12 +189,10 @@ class Behavior:
         self.here = None if self.away is None else np.flatnonzero(~away)
         return away & ~before
 
-    def masks(self, section: Section, batch: Any) -> list[Any] | None:
+    def masks(self, section: Section, parts: list[Any]) -> list[Any] | None:
         """In ML-Agents True is forbidden, in Gymnasium 0."""
-        block = np.zeros((self.count, self.choices), bool)
-        if self.plain.masks:
-            block = self.plain.allowed(batch) == 0
-        for row, data in section.each_info():
+        block = self.plain.allowed(parts) == 0 if self.plain.masks else np.zeros((self.count, self.choices), bool)
+        for row, data in section.each_info() if section.table else ():
             info = info_in(data)
             if MASK in info:
                 allowed = np.concatenate([np.ravel(part) for part in info[MASK]], axis=None)
@@ -205,18 +203,14 @@ class Behavior:
                 block[row] = allowed == 0
         return branches_of(block, self.done.spec.discrete_branches)
 
-    def ended(self, section: Section) -> tuple[TerminalSteps, Any]:
-        """The last steps, and the rows whose they are."""
-        who = np.asarray(section.whose())
+    def ended(self, section: Section, who: Any) -> TerminalSteps:
         if int(who.max()) >= self.count:
             raise MessageError("bad-record", f"agent {who.max()} of {self.count} cannot have ended")
-        last = observations_of(self.observation, self.kind)
-        last.take(section)
-        seen = self.plain.split(together(self.observation, [last.one(row) for row in who.tolist()]))
+        seen = self.plain.split(self.seen.last(section))
         marks = np.frombuffer(section.marks, np.uint8)
         # An end in the last step is no interruption.
-        cut = (marks & records.TRUNCATED > 0) & (marks & records.TERMINATED == 0)
-        return terminal(seen, rewards_of(section), cut, self.ids[who]), who
+        cut = marks & (records.TERMINATED | records.TRUNCATED) == records.TRUNCATED
+        return terminal(seen, rewards_of(section), cut, self.ids[who])
 
 
 def decisions(seen: list[Any], rewards: Any, ids: Any, masks: list[Any] | None) -> DecisionSteps:

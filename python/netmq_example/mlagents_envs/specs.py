@@ -60,7 +60,7 @@ class ActionTuple(_ActionTupleBase):
 
 def as_tuple(action: Any, floats: int) -> Any:
     """An action; early in 2020 it was an array."""
-    if hasattr(action, "continuous") and hasattr(action, "discrete"):
+    if isinstance(action, _ActionTupleBase) or hasattr(action, "discrete"):
         return action
     return ActionTuple(action) if floats else ActionTuple(discrete=action)
 
@@ -108,10 +108,9 @@ class ActionSpec(NamedTuple):
             ("floats", actions.continuous, self.continuous_size),
             ("whole numbers", actions.discrete, self.discrete_size),
         ):
-            if np.shape(given) != (n_agents, size):
-                raise UnityActionException(
-                    f"{name} takes {(n_agents, size)} {what}, [agents, size], and not {np.shape(given)}"
-                )
+            if getattr(given, "shape", ()) != (n_agents, size):
+                got = np.shape(given)
+                raise UnityActionException(f"{name} takes {(n_agents, size)} {what}, [agents, size], and not {got}")
         return actions
 
 

@@ -10,6 +10,7 @@ from netmq_example.mlagents_envs.specs import BehaviorSpec
 
 AgentId = int
 GroupId = int
+NO_FLOATS, NO_NUMBERS, NO_FLAGS = np.zeros(0, np.float32), np.zeros(0, np.int32), np.zeros(0, bool)
 
 
 class DecisionStep(NamedTuple):
@@ -119,13 +120,13 @@ class TerminalSteps(Steps):
     @staticmethod
     def empty(spec: BehaviorSpec) -> "TerminalSteps":
         seen, reward, ids, group, group_reward = nobody(spec)
-        return TerminalSteps(seen, reward, np.zeros(0, bool), ids, group, group_reward)
+        return TerminalSteps(seen, reward, NO_FLAGS, ids, group, group_reward)
 
 
 def nobody(spec: BehaviorSpec) -> tuple[list[Any], Any, Any, Any, Any]:
-    """Observations, rewards, ids, groups and their rewards, of no agent."""
+    """Observations, rewards, ids, groups and their rewards, of no agent. Arrays without items may be anybody's."""
     seen = [np.zeros((0, *one.shape), np.float32) for one in spec.observation_specs]
-    return seen, np.zeros(0, np.float32), np.zeros(0, np.int32), np.zeros(0, np.int32), np.zeros(0, np.float32)
+    return seen, NO_FLOATS, NO_NUMBERS, NO_NUMBERS, NO_FLOATS
 
 
 class BatchedStepResult(NamedTuple):
