@@ -20,6 +20,8 @@ from typing import Any
 
 from netmq_example.extras import pip_install
 
+__all__ = ["main", "take_place"]
+
 log = logging.getLogger("netmq_example.envs")
 
 # The modules that ML-Agents imports, and how pip installs each in a version that fits to its last release.
@@ -39,12 +41,15 @@ NEEDS = {
     "yaml": "pyyaml",
 }
 # The first versions with which it ends in a traceback.
-TOO_NEW = {"protobuf": (3, 21), "cattrs": (1, 7), "numpy": (2,)}
+TOO_NEW = {"protobuf": (3, 21), "cattrs": (1, 7)}
+# Python 3.12 lists what is installed in a way that ML-Agents' search for plugins does not understand.
+LAST_PYTHON = (3, 11)
 # pip reads that these want Python 3.10, and older packages than they need.
 ALONE = {"mlagents", "mlagents_envs"}
-# Names that numpy 1.24 dropped, and that ML-Agents uses up to this version.
+# Names that numpy 1.24 dropped, and that ML-Agents uses.
 DROPPED = {"float": float, "long": int}
-LAST_WITH_DROPPED = (1, 1, 0)
+# The release that all of this was tried with.
+TRIED = (1, 1, 0)
 
 
 def main() -> None:
@@ -58,13 +63,15 @@ def main() -> None:
     keep_exporter(importlib.import_module("torch"))
     try:
         learn.main()
-    except (errors.TrainerError, exceptions.UnityException) as error:
+    except (errors.TrainerError, errors.TrainerConfigError, exceptions.UnityException) as error:
         raise SystemExit(f"mlagents-learn ended: {error}") from None
 
 
 def missing() -> list[str]:
     """A line for each package that is not there, or too new, with the command that installs it."""
     lines = [f"{module} is not installed: {install(pin)}" for module, pin in NEEDS.items() if not found(module)]
+    if sys.version_info[:2] > LAST_PYTHON and version("mlagents") <= TRIED:
+        lines.append("ML-Agents 1.1.0 needs Python 3.11 or older: python3.11 -m venv .venv, and install all there")
     pins = {name(pin): pin for pin in NEEDS.values()}
     for package, limit in TOO_NEW.items():
         if version(package) >= limit:
@@ -119,7 +126,7 @@ def take_place() -> None:
         sys.modules[each.name.removeprefix("netmq_example.")] = module
         if each.name.count(".") == 2:
             setattr(package, each.name.rpartition(".")[2], module)
-    if version("mlagents") <= LAST_WITH_DROPPED:
+    if version("mlagents") <= TRIED:
         numpy = importlib.import_module("numpy")
         for dropped, value in DROPPED.items():
             vars(numpy).setdefault(dropped, value)

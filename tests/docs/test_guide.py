@@ -2,7 +2,7 @@
 
 import contextlib
 import functools
-import importlib
+import importlib.util
 import io
 import json
 import re
@@ -120,6 +120,10 @@ def test_every_block_of_another_language_can_be_read():
             compile(block.body, block.where, "exec")
         elif block.language == "json":
             json.loads(block.body)
+        elif block.language == "yaml":
+            # Without PyYAML it is read where the block is used.
+            if importlib.util.find_spec("yaml"):
+                importlib.import_module("yaml").safe_load(block.body)
         else:
             assert block.language == "xml", block.where
             ElementTree.fromstring(block.body)

@@ -381,6 +381,13 @@ def test_a_build_is_launched(tmp_path):
         env_utils.launch_executable(str(script), [])
 
 
+@pytest.mark.parametrize("build", BUILDS.values())
+def test_a_build_is_told_from_another_program(build, tmp_path):
+    (tmp_path / "Game_Data").mkdir()
+    assert env_utils.is_player(str(tmp_path / build))
+    assert not env_utils.is_player(str(tmp_path / "game.sh"))
+
+
 @pytest.fixture
 def levels():
     yield

@@ -40,13 +40,18 @@ def validate_environment_path(env_path: str) -> str | None:
 
 def launch_words(file_name: str) -> list[str]:
     """A build's program, or Python and a script of it."""
-    found = file_name if file_name.endswith(".py") and os.path.isfile(file_name) else None
-    if found:
-        return [sys.executable, os.path.abspath(found)]
+    if file_name.endswith(".py") and os.path.isfile(file_name):
+        return [sys.executable, os.path.abspath(file_name)]
     program = validate_environment_path(file_name)
     if not program:
         raise UnityEnvironmentException(f"no game at {file_name}: neither this file, nor one with {', '.join(ENDINGS)}")
     return [program]
+
+
+def is_player(program: str) -> bool:
+    """Whether it is a build of Unity's, which has its data beside it."""
+    stem = program.removesuffix(".x86_64").removesuffix(".x86").removesuffix(".exe")
+    return os.path.isdir(f"{stem}_Data") or ".app/Contents/MacOS/" in program
 
 
 def launch_executable(file_name: str, args: list[str]) -> subprocess.Popen[bytes]:

@@ -31,6 +31,7 @@ from netmq_example.mlagents_envs.base_env import (
     TerminalSteps,
 )
 from netmq_example.mlagents_envs.clock import Turn
+from netmq_example.mlagents_envs.env_utils import is_player, launch_words
 from netmq_example.mlagents_envs.exception import (
     NoRequest,
     NoSteps,
@@ -120,7 +121,11 @@ class UnityEnvironment(BaseEnv):
             where["endpoint"] = f"tcp://127.0.0.1:{port + worker_id}"
         else:
             check.instance("file_name", file_name, str, os.PathLike)
-            where["launch"] = [file_name, *self._executable_args()]
+            program = launch_words(os.fspath(file_name))
+            if not is_player(program[-1]):
+                # Another program would not know the word for it.
+                self._log_folder = None
+            where["launch"] = [*program, *self._executable_args()]
         words = {
             "seed": check.count("seed", seed, least=-(2**31)),
             # 0 is no limit, as for Max Step.

@@ -1,0 +1,419 @@
+"""python -m netmq_example.mlagents_learn: ML-Agents' trainer over this kit.
+
+What it says and what it puts in whose place is tested with made up packages. Where ML-Agents' own are, `--long` trains
+by them, in minutes: what is learnt is what they learn with a world in process, to the last bit.
+"""
+
+import importlib.util
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+import zipfile
+from importlib import metadata
+from pathlib import Path
+
+import pytest
+
+from tests.programs import LIMIT, ROOT, Mark, finds_processes, finished
+
+pytest.importorskip("numpy", reason="ML-Agents' API needs numpy: kit.py run 13 installs it")
+pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
+
+from netmq_example import mlagents_learn
+
+HERE = Path(__file__).parent
+POLES = HERE / "mlagents_poles.py"
+LEARN = [sys.executable, "-m", "netmq_example.mlagents_learn"]
+THERE = all(importlib.util.find_spec(name) for name in ("mlagents", "mlagents_envs", "torch"))
+NEEDS = "needs ML-Agents: train_by_mlagents_learn.md says how it is installed"
+
+
+def trains(test):
+    """A test for which ML-Agents itself trains."""
+    return pytest.mark.long(pytest.mark.timeout(900)(pytest.mark.skipif(not THERE, reason=NEEDS)(test)))
+
+
+def test_each_package_that_is_missing_has_a_line(monkeypatch):
+    monkeypatch.setattr(mlagents_learn, "found", lambda module: False)
+    monkeypatch.setattr(mlagents_learn, "version", lambda package: ())
+    lines = mlagents_learn.missing()
+    assert len(lines) == len(mlagents_learn.NEEDS)
+    for line, (module, pin) in zip(lines, mlagents_learn.NEEDS.items(), strict=True):
+        assert re.fullmatch(rf"{re.escape(module)} is not installed: \S+ -m pip install [^\n]+", line)
+        assert pin in line and ("--no-deps --ignore-requires-python" in line) == module.startswith("mlagents")
+
+
+VERSIONS = {"protobuf": "5.29.3", "cattrs": "24.1.2", "torch": "2.4.1", "numpy": "1.26.4", "mlagents": "1.1.0"}
+
+
+@pytest.fixture
+def versions(monkeypatch):
+    """As if all was installed, in these versions."""
+    chosen = {**VERSIONS, "protobuf": "3.20.3", "cattrs": "1.5.0"}
+    monkeypatch.setattr(mlagents_learn, "found", lambda module: True)
+    monkeypatch.setattr(metadata, "version", chosen.__getitem__)
+    monkeypatch.setattr(sys, "version_info", (3, 11, 9))
+    return chosen
+
+
+@pytest.mark.parametrize("package", ["protobuf", "cattrs"])
+def test_a_version_that_is_too_new_has_a_line(package, versions):
+    assert mlagents_learn.missing() == []
+    versions[package] = VERSIONS[package]
+    (line,) = mlagents_learn.missing()
+    assert line.startswith(f"{package} {VERSIONS[package]} is too new for ML-Agents: ")
+    assert re.search(rf"pip install {package}==[\d.]+$", line)
+
+
+def test_a_python_that_is_too_new_has_a_line(versions, monkeypatch):
+    monkeypatch.setattr(sys, "version_info", (3, 12, 1))
+    (line,) = mlagents_learn.missing()
+    assert line.startswith("ML-Agents 1.1.0 needs Python 3.11 or older: python3.11 -m venv")
+    versions["mlagents"] = "1.2.0"
+    assert mlagents_learn.missing() == []
+
+
+def test_an_old_torch_has_a_line_and_goes_on(versions, caplog):
+    versions["torch"] = "1.13.0a0"
+    assert mlagents_learn.missing() == []
+    assert "set summary_freq above max_steps, or " in caplog.text
+
+
+# Packages as ML-Agents has them, with which no trainer comes.
+FAKES = {
+    "attr.py": "",
+    "cattr.py": "",
+    "cloudpickle.py": "",
+    "h5py.py": "",
+    "pkg_resources.py": "",
+    "PIL/__init__.py": "",
+    "google/protobuf/__init__.py": "",
+    "tensorboard/__init__.py": "",
+    "yaml.py": "",
+    "torch.py": """
+class onnx:
+    def export(model, path, dynamo=True):
+        print("exported", model, path, dynamo)
+""",
+    "mlagents_envs/__init__.py": "raise ImportError('the kit stands in its place')",
+    "mlagents_envs/timers.py": "raise ImportError('the kit has its own')",
+    "mlagents_envs/rpc_utils.py": "from mlagents_envs.timers import timed",
+    "mlagents/__init__.py": "",
+    "mlagents/trainers/__init__.py": "",
+    "mlagents/trainers/exception.py": """
+class TrainerError(Exception): pass
+class TrainerConfigError(Exception): pass
+""",
+    "mlagents/trainers/worker.py": """
+import numpy
+import mlagents_envs
+from mlagents_envs import logging_util, rpc_utils
+from mlagents_envs.environment import UnityEnvironment
+from mlagents_envs.side_channel.stats_side_channel import StatsSideChannel
+import mlagents_envs.envs.unity_gym_env as gym
+
+def told():
+    kinds = UnityEnvironment, StatsSideChannel, rpc_utils.timed, logging_util.get_logger, gym.UnityToGymWrapper
+    print(*(kind.__module__ for kind in kinds), rpc_utils.__name__, flush=True)
+    print(mlagents_envs.__version__, numpy.float is float, hasattr(numpy, "long"), flush=True)
+""",
+    "mlagents/trainers/learn.py": """
+import multiprocessing, sys, torch
+from mlagents.trainers import exception, worker
+from mlagents_envs.exception import UnityTimeOutException
+
+def main():
+    print(sys.argv[1:])
+    if "bad" in sys.argv: raise exception.TrainerConfigError("no such trainer")
+    if "late" in sys.argv: raise UnityTimeOutException("no simulator came")
+    torch.onnx.export("a model", path="a.onnx")
+    worker.told()
+    process = multiprocessing.get_context("spawn").Process(target=worker.told)
+    process.start()
+    process.join()
+""",
+}
+OLD = {"protobuf": "3.20.3", "cattrs": "1.5.0", "torch": "2.4.1", "mlagents": "1.1.0"}
+
+
+@pytest.fixture
+def fakes(tmp_path):
+    """fakes("word") runs the program with these packages."""
+    for name, text in FAKES.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    for name, version in OLD.items():
+        info = tmp_path / f"{name}-{version}.dist-info"
+        info.mkdir()
+        (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: {version}\n", encoding="utf-8")
+
+    def run(*words):
+        path = os.pathsep.join([str(tmp_path), str(ROOT / "python")])
+        return finished([*LEARN, *words], env={**os.environ, "PYTHONPATH": path}, cwd=tmp_path)
+
+    return run
+
+
+@pytest.mark.skipif(sys.version_info >= (3, 12), reason="ML-Agents needs Python 3.11 or older")
+def test_the_kit_stands_in_the_place_of_mlagents_envs_also_in_a_worker_that_is_spawned(fakes):
+    done = fakes("config.yaml", "--env=Game")
+    assert done.returncode == 0, done.stdout + done.stderr
+    own = [
+        f"netmq_example.mlagents_envs.{name}" for name in ("environment", "side_channel.stats_side_channel", "timers")
+    ]
+    own += [f"netmq_example.mlagents_envs.{name}" for name in ("logging_util", "envs.unity_gym_env")]
+    told = [" ".join([*own, "mlagents_envs.rpc_utils"]), "1.1.0 True True"]
+    exported = "exported a model a.onnx False"
+    assert done.stdout.splitlines() == ["['config.yaml', '--env=Game']", exported, *told, *told]
+
+
+@pytest.mark.skipif(sys.version_info >= (3, 12), reason="ML-Agents needs Python 3.11 or older")
+@pytest.mark.parametrize(("word", "says"), [("bad", "no such trainer"), ("late", "no simulator came")])
+def test_an_error_of_the_trainers_is_one_line(fakes, word, says):
+    done = fakes(word)
+    assert done.returncode == 1 and done.stderr.splitlines()[-1] == f"mlagents-learn ended: {says}"
+    assert "Traceback" not in done.stderr
+
+
+def test_a_place_that_is_taken_already_is_an_error():
+    script = "import sys, mlagents_envs; from netmq_example.mlagents_learn import take_place; take_place()"
+    words = [sys.executable, "-c", f"import sys; sys.modules['mlagents_envs'] = sys; {script}"]
+    done = subprocess.run(words, cwd=ROOT / "python", capture_output=True, text=True, timeout=LIMIT, check=False)
+    assert "take_place comes before the first import of mlagents_envs" in done.stderr
+
+
+# From here on ML-Agents itself trains.
+CONFIG = """
+behaviors:
+  {behavior}:
+    trainer_type: {trainer}
+    hyperparameters: {{{more}}}
+    network_settings: {{hidden_units: 64, num_layers: 2}}
+    time_horizon: 64
+    max_steps: {steps}
+    summary_freq: {each}
+"""
+PPO = "batch_size: 128, buffer_size: 1024, learning_rate: 0.003"
+SAC = "batch_size: 64, buffer_size: 5000, buffer_init_steps: 500, steps_per_update: 10.0"
+SUMMARY = re.compile(r"Step: (\d+)\. Time Elapsed: \S+ s\. Mean Reward: (\S+)\. ")
+# torch 1.13 fails at histograms with numpy 1.24, unless a machine has mended that.
+SPAWN = """
+import multiprocessing, runpy
+if __name__ == "__main__":
+    multiprocessing.set_start_method("spawn")
+    runpy.run_module("netmq_example.mlagents_learn", run_name="__main__", alter_sys=True)
+"""
+
+
+class Trainings:
+    def __init__(self, folder):
+        self.folder = folder
+        self.environment = {**os.environ, "PYTHONPATH": str(ROOT / "python")}
+
+    def config(self, behavior="Pole", trainer="ppo", more=PPO, steps=3000, each=1000, add=""):
+        text = CONFIG.format(behavior=behavior, trainer=trainer, more=more, steps=steps, each=each) + add
+        (self.folder / "config.yaml").write_text(text, encoding="utf-8")
+
+    def words(self, *words, program=LEARN):
+        return [*map(str, program), "config.yaml", "--seed=1", *map(str, words)]
+
+    def run(self, *words, program=LEARN):
+        done = finished(self.words(*words, program=program), timeout=600, env=self.environment, cwd=self.folder)
+        assert done.returncode == 0, done.stdout + done.stderr
+        return done.stdout + done.stderr
+
+    def start(self, *words):
+        return subprocess.Popen(
+            self.words(*words), stdout=subprocess.PIPE, text=True, env=self.environment, cwd=self.folder
+        )
+
+    def model(self, run, behavior="Pole"):
+        """The opset that Unity has to read."""
+        onnx = pytest.importorskip("onnx", reason="needs onnx: pip install onnx")
+        folder = self.folder / "results" / run
+        model = onnx.load(folder / f"{behavior}.onnx")
+        onnx.checker.check_model(model)
+        assert [*folder.glob("*.data")] == []
+        assert [*(folder / behavior).glob("events.out.tfevents*")]
+        (opset,) = model.opset_import
+        return opset.version
+
+
+@pytest.fixture
+def training(tmp_path):
+    return Trainings(tmp_path)
+
+
+def weights(folder):
+    with zipfile.ZipFile(folder / "checkpoint.pt") as file:
+        return {name.partition("/")[2]: file.read(name) for name in file.namelist()}
+
+
+SEERS = """
+import numpy as np
+from gymnasium.spaces import Box, Dict
+from netmq_example.scene import Agent, Scene, run
+
+class Seer(Agent):
+    observation = Dict({"eye": Box(0, 255, (36, 40, 3), np.uint8), "place": Box(-9, 9, (2,), np.float32)})
+    action = Box(-1, 1, (2,), np.float32)
+
+    def on_reset(self):
+        self.place, self.steps = np.zeros(2, np.float32), 0
+
+    def on_action(self, action):
+        self.place = np.clip(self.place + action, -9, 9).astype(np.float32)
+        self.steps += 1
+
+    def on_stepped(self):
+        self.reward -= float(abs(self.place).sum())
+        self.truncated = self.steps == 20
+
+    def observe(self):
+        return {"eye": np.full((36, 40, 3), 100, np.uint8), "place": self.place}
+
+run(Scene("Seers", [Seer("seer") for _ in range(2)], dt=0.02))
+"""
+PARAMETERS = """
+import sys
+import numpy as np
+from gymnasium.spaces import Box
+from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
+from netmq_example.mlagents_envs.unity_channels import EnvironmentParameters
+from netmq_example.scene import Agent, EnvironmentClient, Scene, SceneSimulator, SideChannelSimulator
+
+parameters = EnvironmentParameters()
+
+class Pupil(Agent):
+    observation, action = Box(-1, 1, (1,), np.float32), Box(-1, 1, (1,), np.float32)
+
+    def on_reset(self):
+        self.steps, self.earns = 0, parameters.get_with_default("earns", 0)
+        self.drawn = parameters.get_with_default("drawn", -1)
+
+    def on_stepped(self):
+        assert 5 <= self.drawn <= 6
+        self.steps += 1
+        self.reward += self.earns
+        self.truncated = self.steps == 10
+
+    def observe(self):
+        return [0.5]
+
+scene = Scene("School", [Pupil("pupil")], dt=0.02)
+simulator = SideChannelSimulator(SceneSimulator(scene), SideChannelManager([parameters]))
+EnvironmentClient(sys.argv[sys.argv.index("--endpoint") + 1], timeout=60).run(simulator)
+"""
+CURRICULUM = """
+environment_parameters:
+  earns:
+    curriculum:
+      - name: first
+        completion_criteria: {measure: progress, behavior: School, min_lesson_length: 1, threshold: 0.4}
+        value: 2.0
+      - name: second
+        value: 4.0
+  drawn:
+    sampler_type: uniform
+    sampler_parameters: {min_value: 5.0, max_value: 6.0}
+"""
+
+
+@trains
+def test_what_is_learnt_is_what_ml_agents_learns_in_process(training):
+    training.config(steps=12_000, each=4000)
+    here = training.run(f"--env={POLES}", "--run-id=here")
+    there = training.run("--run-id=there", program=[sys.executable, HERE / "mlagents_in_process.py"])
+    assert SUMMARY.findall(here) == SUMMARY.findall(there)
+    means = [float(mean) for _, mean in SUMMARY.findall(here)]
+    assert len(means) == 3 and means[2] > 3 * means[0], means
+    results = training.folder / "results"
+    assert weights(results / "here" / "Pole") == weights(results / "there" / "Pole")
+
+
+@trains
+@pytest.mark.parametrize(("trainer", "more"), [("ppo", PPO), ("sac", SAC), ("poca", PPO)])
+def test_trainers_write_a_model_that_unity_reads(training, trainer, more):
+    training.config(trainer=trainer, more=more)
+    printed = training.run(f"--env={POLES}", "--run-id=a")
+    assert len(SUMMARY.findall(printed)) == 3
+    assert 7 <= training.model("a") <= 15
+
+
+@trains
+def test_several_simulators_then_on_and_anew(training):
+    training.config(steps=2000)
+    training.run(f"--env={POLES}", "--run-id=a", "--num-envs=2", "--no-graphics")
+    training.config(steps=4000)
+    printed = training.run(f"--env={POLES}", "--run-id=a", "--resume")
+    assert re.search(r"Resuming training from step 20\d\d", printed)
+    printed = training.run(f"--env={POLES}", "--run-id=b", "--initialize-from=a")
+    assert "Initializing from results/a/Pole/checkpoint.pt" in printed and "from step 0" in printed
+
+
+@trains
+def test_workers_that_are_spawned(training):
+    (training.folder / "spawn.py").write_text(SPAWN, encoding="utf-8")
+    training.config(steps=1000)
+    program = [sys.executable, "spawn.py"]
+    assert SUMMARY.findall(training.run(f"--env={POLES}", "--run-id=a", "--num-envs=2", program=program))
+
+
+@trains
+@finds_processes
+def test_a_simulator_that_is_killed_is_started_again(training):
+    training.config(steps=8000)
+    mark = Mark()
+    training.environment |= mark.environment
+    process = training.start(f"--env={POLES}", "--run-id=a")
+    for line in process.stdout:
+        if SUMMARY.search(line):
+            break
+    (simulator,) = (number for number, words in mark.processes().items() if "--endpoint tcp:" in words)
+    os.kill(simulator, signal.SIGKILL)
+    rest = process.stdout.read()
+    assert process.wait(LIMIT) == 0
+    assert "Restarting worker[0] after 'the simulator is lost" in rest and "Exported results/a/Pole" in rest
+
+
+@trains
+def test_play(training):
+    """Without --env; the port is ML-Agents' own."""
+    training.config(steps=1000)
+    process = training.start("--run-id=a")
+    words = [sys.executable, POLES, "--endpoint", "tcp://127.0.0.1:5004"]
+    time.sleep(1)
+    scene = subprocess.Popen(words, env=training.environment, stdin=subprocess.DEVNULL)
+    printed = process.communicate(timeout=300)[0]
+    assert process.returncode == 0 and SUMMARY.findall(printed), printed
+    assert scene.wait(LIMIT) == 0
+
+
+@trains
+def test_pictures(training):
+    (training.folder / "scene.py").write_text(SEERS, encoding="utf-8")
+    training.config("Seers", steps=600, each=200)
+    assert len(SUMMARY.findall(training.run("--env=scene.py", "--run-id=a"))) == 3
+    assert training.model("a", "Seers") == 9
+
+
+@trains
+def test_a_curriculum_and_a_sampler_reach_the_scene(training):
+    """Each step earns what the lesson is about."""
+    (training.folder / "scene.py").write_text(PARAMETERS, encoding="utf-8")
+    training.config("School", steps=6000, each=1000, add=CURRICULUM)
+    means = [float(mean) for _, mean in SUMMARY.findall(training.run("--env=scene.py", "--run-id=a"))]
+    assert means[0] == 20 and means[-1] == 40
+
+
+@trains
+@pytest.mark.skipif(sys.platform == "win32", reason="a script of a shell")
+def test_a_script_that_starts_lesson_09_in_csharp(training, console):
+    script = training.folder / "game.sh"
+    script.write_text(f'#!/bin/sh\nexec {" ".join(console)} 09 "$@"\n', encoding="utf-8")
+    script.chmod(0o755)
+    training.config("CartPole", steps=1000, each=500)
+    assert SUMMARY.findall(training.run("--env=./game.sh", "--run-id=a"))
