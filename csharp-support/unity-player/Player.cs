@@ -226,12 +226,13 @@ namespace UnityPlayer
         // By index, because a script may add or remove others, and because a frame should allocate nothing.
         private static void ForEach(Action<MonoBehaviour> call)
         {
-            for (var order = 0; order < MonoBehaviour.Orders.Count; order++)
+            var orders = MonoBehaviour.Orders;
+            for (var order = 0; order < orders.Count; order++)
                 for (var i = 0; i < LoadedScene.Objects.Count; i++)
                 {
                     var parts = LoadedScene.Objects[i].Components;
                     for (var k = 0; k < parts.Count; k++)
-                        if (parts[k] is MonoBehaviour script && script.Order == MonoBehaviour.Orders[order]) call(script);
+                        if (parts[k] is MonoBehaviour script && script.Order == orders[order]) call(script);
                 }
         }
 

@@ -9,7 +9,7 @@ import pytest
 
 from tests.programs import Program
 
-# What the program prints, part by part. All numbers were worked out by hand, from ML-Agents' source 3.0.0.
+# The output of the program, part by part. All numbers were worked out by hand, from ML-Agents' source 3.0.0.
 PRINTED = """
 Vectors:
 VectorSensor_size16 [16] 0 1: 1.5 2 3 4 5 6 7 8 9 0.1 0.2 0.3 0.4 1 0 1
@@ -37,7 +37,7 @@ BufferSensor [3, 2] 0 4,1: 1 2 3 4 5 6
 BufferSensor [3, 2] 0 4,1: 0 0 0 0 0 0
 UnityAgentsException: BufferSensor was given a row of 1 numbers: its Observable Size is 2
 UnityAgentsException: AppendObservation was given Infinity: look for a division by 0 in the script
-UnityAgentsException: BufferSensor cannot be stacked: only vectors and pictures can be
+UnityAgentsException: BufferSensor cannot be stacked: only vectors and pictures can
 Rays:
 RayPerceptionSensor [12] 0 1: 1 0 0 0.75 0 1 0 0.5 0 0 1 1
 RayPerceptionSensor [12] 0 1: 1 0 0 0.625 0 1 0 0.375 0 0 1 1
@@ -282,7 +282,7 @@ THREE = """
 """
 
 
-# What the properties then say; those that are not named here have the values of a new component.
+# The properties then say this; those that are not named here have the values of a new component.
 READ = {
     ONE: """
 BehaviorParameters.BrainParameters.ActionSpec.NumContinuousActions: 2

@@ -12,7 +12,7 @@ namespace UnityEngine
     {
         private const BindingFlags Own = BindingFlags.Instance | BindingFlags.Public | BindingFlags.NonPublic
             | BindingFlags.DeclaredOnly;
-        // What a message may bring.
+        // The arguments that messages have.
         private static readonly Type[] Messages = { typeof(bool), typeof(Collider), typeof(Collision) };
         private readonly CancellationTokenSource destroyed = new CancellationTokenSource();
         private readonly Dictionary<string, Action> messages = new Dictionary<string, Action>();

@@ -1,5 +1,5 @@
-// Physics in its least form: bodies fall and fly, and are told what they touch; nothing stops them. Rays and spheres meet
-// the colliders of cubes and spheres.
+// Physics in its least form: bodies fall and fly, and are told what they touch; nothing stops them. Rays and spheres
+// meet the colliders of cubes and spheres.
 using System;
 using System.Collections.Generic;
 using System.Linq;
@@ -117,7 +117,8 @@ namespace UnityEngine
             var way = direction.normalized;
             // As in Unity, a collider that holds the origin is not met.
             var open = All<Collider>(layers).Where(one => one.IsThere && one.Distance(origin) > radius);
-            var met = First(open.ToList(), (one, place) => one.Distance(place) - radius, origin, way, most, out var far);
+            var met = First(
+                open.ToList(), (one, place) => one.Distance(place) - radius, origin, way, most, out var far);
             hit = met == null ? default : new RaycastHit { Met = met, distance = far, point = origin + (way * far) };
             return met != null;
         }
@@ -127,8 +128,9 @@ namespace UnityEngine
                 .SelectMany(thing => thing.Components).OfType<T>();
 
         /// <summary>As far as nothing can be met, and again from there.</summary>
-        internal static T First<T>(List<T> open, Func<T, Vector3, float> distance, Vector3 origin, Vector3 way, float most,
-            out float far) where T : class
+        internal static T First<T>(List<T> open, Func<T, Vector3, float> distance, Vector3 origin, Vector3 way,
+            float most, out float far)
+            where T : class
         {
             for (far = 0; open.Count > 0 && far <= most;)
             {

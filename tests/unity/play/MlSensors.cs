@@ -330,7 +330,8 @@ namespace MlTest
             var spec = sensor.GetObservationSpec();
             var meant = Enumerable.Range(0, spec.Rank).Select(i => (int)spec.DimensionProperties[i]);
             var kind = SensorRows.IsPicture(sensor) ? " uint8" : "";
-            Console.WriteLine($"{sensor.GetName()} [{string.Join(", ", spec.Shape)}]{kind} {(int)spec.ObservationType} {string.Join(",", meant)}: "
+            Console.WriteLine($"{sensor.GetName()} [{string.Join(", ", spec.Shape)}]{kind} "
+                + $"{(int)spec.ObservationType} {string.Join(",", meant)}: "
                 + string.Join(" ", numbers.Select(one => one.ToString("0.###", CultureInfo.InvariantCulture))));
         }
 

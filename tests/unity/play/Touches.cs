@@ -48,8 +48,8 @@ namespace NetMQExample.PlayTest
             player.Stop();
             Physics.gravity = new Vector3(0, -9.81f, 0);
             Console.WriteLine($"{LayerMask.NameToLayer("UI")} {LayerMask.NameToLayer("")} "
-                + $"{LayerMask.NameToLayer("none")} {LayerMask.GetMask("Default", "Water", "none")} {LayerMask.LayerToName(2)} "
-                + $"'{LayerMask.LayerToName(9)}'");
+                + $"{LayerMask.NameToLayer("none")} {LayerMask.GetMask("Default", "Water", "none")} "
+                + $"{LayerMask.LayerToName(2)} '{LayerMask.LayerToName(9)}'");
             return player.Errors;
         }
 

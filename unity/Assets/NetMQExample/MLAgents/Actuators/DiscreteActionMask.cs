@@ -37,8 +37,8 @@ namespace NetMQExample.MLAgents.Actuators
         public void SetActionEnabled(int branch, int actionIndex, bool isEnabled)
         {
             if (branch < 0 || branch >= branches.Length || actionIndex < 0 || actionIndex >= branches[branch])
-                throw new UnityAgentsException($"a mask for choice {actionIndex} of branch {branch}: Behavior Parameters "
-                    + $"has branches of {string.Join(", ", branches)} choices, and both are counted from 0");
+                throw new UnityAgentsException($"a mask for choice {actionIndex} of branch {branch}: Behavior "
+                    + $"Parameters has branches of {string.Join(", ", branches)} choices, and both are counted from 0");
             forbidden[Begin(branch) + actionIndex] = (byte)(isEnabled ? 0 : 1);
         }
 

@@ -26,8 +26,8 @@ namespace NetMQExample.MLAgents.Demonstrations
         {
             if (!Record || said) return;
             said = true;
-            Debug.LogError($"{name}: demonstrations are not recorded here: record them with Unity's package ML-Agents in "
-                + "another copy of the project, and give mlagents_learn their .demo files", this);
+            Debug.LogError($"{name}: demonstrations are not recorded here: record them with Unity's package ML-Agents "
+                + "in another copy of the project, and give mlagents_learn their .demo files", this);
         }
     }
 }

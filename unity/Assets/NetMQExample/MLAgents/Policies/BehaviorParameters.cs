@@ -85,7 +85,7 @@ namespace NetMQExample.MLAgents.Policies
             if (IsInHeuristicMode() && m_BehaviorType != BehaviorType.HeuristicOnly
                 && (m_Model != null || m_BehaviorType == BehaviorType.InferenceOnly))
                 Debug.LogWarning($"{name}: a model does not run here, and its Heuristic decides. Let Python decide: "
-                    + "Behavior Type Default, and mlagents_learn with --resume --inference before you press Play", this);
+                    + "Behavior Type Default, and mlagents_learn with --resume --inference before you press Play");
         }
     }
 }

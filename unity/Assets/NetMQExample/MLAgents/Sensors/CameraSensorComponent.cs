@@ -38,7 +38,7 @@ namespace NetMQExample.MLAgents.Sensors
         /// <summary>Whether there is one channel in place of three.</summary>
         public bool Grayscale { get => m_Grayscale; set => m_Grayscale = value; }
 
-        /// <summary>What it is for.</summary>
+        /// <summary>Its purpose.</summary>
         public ObservationType ObservationType { get => m_ObservationType; set => m_ObservationType = value; }
 
         /// <summary>Whether the camera draws on the screen as well.</summary>
@@ -53,7 +53,8 @@ namespace NetMQExample.MLAgents.Sensors
         /// <inheritdoc/>
         public override ISensor[] CreateSensors()
         {
-            if (m_Camera == null) throw new UnityAgentsException($"{name}: its Camera Sensor has no Camera: give it one");
+            if (m_Camera == null)
+                throw new UnityAgentsException($"{name}: its Camera Sensor has no Camera: give it one");
             sensor = new CameraSensor(
                 m_Camera, m_Width, m_Height, m_Grayscale, m_SensorName, m_Compression, m_ObservationType);
             return new[] { StackingSensor.Of(sensor, m_ObservationStacks) };

@@ -1,5 +1,5 @@
-// ML-Agents' shape, a sensor: it sees for an agent. One of your own is a class with these methods, and a SensorComponent
-// that makes it:
+// ML-Agents' shape, a sensor: it sees for an agent. One of your own is a class with these methods, and a
+// SensorComponent that makes it:
 //
 //     public ObservationSpec GetObservationSpec() => ObservationSpec.Vector(2);
 //     public int Write(ObservationWriter writer)
@@ -36,7 +36,7 @@ namespace NetMQExample.MLAgents.Sensors
         string GetName();
     }
 
-    /// <summary>What follows from a sensor's methods.</summary>
+    /// <summary>The size, which follows from a sensor's methods.</summary>
     public static class SensorExtensions
     {
         /// <summary>How many numbers its array has.</summary>

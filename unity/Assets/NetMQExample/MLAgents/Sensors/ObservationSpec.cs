@@ -3,7 +3,7 @@ using System;
 
 namespace NetMQExample.MLAgents.Sensors
 {
-    /// <summary>What a trainer may make of a dimension.</summary>
+    /// <summary>The nature of a dimension, for trainers.</summary>
     [Flags]
     public enum DimensionProperty
     {
@@ -17,7 +17,7 @@ namespace NetMQExample.MLAgents.Sensors
         VariableSize = 4,
     }
 
-    /// <summary>What an observation is for.</summary>
+    /// <summary>The purpose of an observation.</summary>
     public enum ObservationType
     {
         /// <summary>It is seen.</summary>
@@ -48,7 +48,7 @@ namespace NetMQExample.MLAgents.Sensors
         /// <summary>The property of each dimension.</summary>
         public DimensionProperty[] DimensionProperties { get; }
 
-        /// <summary>What it is for.</summary>
+        /// <summary>Its purpose.</summary>
         public ObservationType ObservationType { get; }
 
         /// <summary>How many dimensions it has.</summary>

@@ -17,7 +17,7 @@ namespace NetMQExample.MLAgents.Sensors
         public float this[int ch, int w] { set => numbers[Place((ch * width) + Within(w, width))] = value; }
 
         /// <summary>A number of a picture, from 0 to 1; the highest row is 0.</summary>
-        public float this[int ch, int h, int w] { set => numbers[Place((((ch * height) + Within(h, height)) * width) + Within(w, width))] = value; }
+        public float this[int ch, int h, int w] { set => this[(ch * height) + Within(h, height), w] = value; }
 
         /// <summary>Writes numbers, one after the other.</summary>
         public void AddList(IList<float> data, int writeOffset = 0)

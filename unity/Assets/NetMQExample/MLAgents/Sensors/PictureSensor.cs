@@ -1,5 +1,5 @@
-// ML-Agents' shape, a picture: the pixels of a render texture as uint8 [channels, height, width], the highest row first.
-// Grey is the mean of red, green and blue, as ML-Agents' Python makes it.
+// ML-Agents' shape, a picture: the pixels of a render texture as uint8 [channels, height, width], the highest row
+// first. Grey is the mean of red, green and blue, as ML-Agents' Python makes it.
 using System;
 using Unity.Collections;
 using UnityEngine;
@@ -19,7 +19,7 @@ namespace NetMQExample.MLAgents.Sensors
             : base(name, ObservationSpec.Visual(grayscale ? 1 : 3, height, width, type))
         {
             if (!HasGraphics)
-                Debug.LogError($"{name} sees black only, for there is no graphics card: start Unity without -nographics");
+                Debug.LogError($"{name} sees black only, for there is no graphics card: start without -nographics");
             this.width = width;
             this.height = height;
             channels = grayscale ? 1 : 3;

@@ -74,13 +74,13 @@ namespace NetMQExample.MLAgents.Sensors
         }
     }
 
-    /// <summary>What each ray has met.</summary>
+    /// <summary>The results of all rays.</summary>
     public class RayPerceptionOutput
     {
         /// <summary>One for each ray, in the order of the angles; null: none was cast yet.</summary>
         public RayOutput[] RayOutputs;
 
-        /// <summary>What one ray has met.</summary>
+        /// <summary>The result of one ray.</summary>
         public struct RayOutput
         {
             /// <summary>Whether it has met anything.</summary>
@@ -95,7 +95,7 @@ namespace NetMQExample.MLAgents.Sensors
             /// <summary>How far it came, from 0 to 1.</summary>
             public float HitFraction;
 
-            /// <summary>What it has met, or null.</summary>
+            /// <summary>The thing that it has met, or null.</summary>
             public GameObject HitGameObject;
 
             /// <summary>Where it begins.</summary>

@@ -21,7 +21,7 @@ namespace NetMQExample.MLAgents.Sensors
             numbers = new float[input.OutputSize()];
         }
 
-        /// <summary>What its rays have met last.</summary>
+        /// <summary>The last results of its rays.</summary>
         public RayPerceptionOutput RayPerceptionOutput { get; } = new RayPerceptionOutput();
 
         /// <summary>Casts rays now.</summary>
@@ -59,8 +59,8 @@ namespace NetMQExample.MLAgents.Sensors
         {
             if (rayInput.OutputSize() == numbers.Length) input = rayInput;
             else
-                Debug.LogError($"{GetName()}: the number of rays and tags cannot change in Play: set it before the agent "
-                    + "is enabled");
+                Debug.LogError($"{GetName()}: the number of rays and tags cannot change in Play: set it before the "
+                    + "agent is enabled");
         }
 
         internal static RayPerceptionOutput.RayOutput Cast(RayPerceptionInput input, int ray)

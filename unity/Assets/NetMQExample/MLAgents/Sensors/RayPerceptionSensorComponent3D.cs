@@ -8,9 +8,9 @@ namespace NetMQExample.MLAgents.Sensors
     [AddComponentMenu("NetMQ Example/ML-Agents/Ray Perception Sensor 3D")]
     public class RayPerceptionSensorComponent3D : RayPerceptionSensorComponentBase
     {
-        [SerializeField, FormerlySerializedAs("startVerticalOffset"), Range(-10, 10), Tooltip("How much higher they begin")]
+        [SerializeField, FormerlySerializedAs("startVerticalOffset"), Range(-10, 10), Tooltip("How high rays begin")]
         private float m_StartVerticalOffset;
-        [SerializeField, FormerlySerializedAs("endVerticalOffset"), Range(-10, 10), Tooltip("How much higher they end")]
+        [SerializeField, FormerlySerializedAs("endVerticalOffset"), Range(-10, 10), Tooltip("How high rays end")]
         private float m_EndVerticalOffset;
 
         /// <summary>How much higher rays begin.</summary>

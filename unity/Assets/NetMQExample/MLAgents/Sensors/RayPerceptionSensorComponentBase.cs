@@ -1,4 +1,4 @@
-// ML-Agents' shape, a ray sensor as a component, in 2D and in 3D. In the editor, its rays are drawn while it is selected.
+// ML-Agents' shape, a ray sensor as a component, in 2D and in 3D. The editor draws its rays while it is selected.
 using System.Collections.Generic;
 using UnityEngine;
 using UnityEngine.Serialization;
@@ -12,11 +12,11 @@ namespace NetMQExample.MLAgents.Sensors
         private string m_SensorName = "RayPerceptionSensor";
         [SerializeField, FormerlySerializedAs("detectableTags"), Tooltip("The tags that rays tell apart")]
         private List<string> m_DetectableTags = new List<string>();
-        [SerializeField, FormerlySerializedAs("raysPerDirection"), Range(0, 50), Tooltip("To each side of the one ahead")]
+        [SerializeField, FormerlySerializedAs("raysPerDirection"), Range(0, 50), Tooltip("To each side of the first")]
         private int m_RaysPerDirection = 3;
-        [SerializeField, FormerlySerializedAs("maxRayDegrees"), Range(0, 180), Tooltip("From the one ahead to the last")]
+        [SerializeField, FormerlySerializedAs("maxRayDegrees"), Range(0, 180), Tooltip("From the first to the last")]
         private float m_MaxRayDegrees = 70;
-        [SerializeField, FormerlySerializedAs("sphereCastRadius"), Range(0, 10), Tooltip("How thick they are, in metres")]
+        [SerializeField, FormerlySerializedAs("sphereCastRadius"), Range(0, 10), Tooltip("How thick, in metres")]
         private float m_SphereCastRadius = 0.5f;
         [SerializeField, FormerlySerializedAs("rayLength"), Range(1, 1000), Tooltip("In metres")]
         private float m_RayLength = 20;

@@ -36,8 +36,8 @@ namespace NetMQExample.MLAgents.Sensors
             all.Sort((a, b) => string.Compare(a.GetName(), b.GetName(), StringComparison.InvariantCulture));
             for (var i = 1; i < all.Count; i++)
                 if (all[i].GetName() == all[i - 1].GetName())
-                    Debug.LogError($"{agent.name} has two sensors called {all[i].GetName()}, and their order may change: "
-                        + "give each a Sensor Name of its own", agent);
+                    Debug.LogError($"{agent.name} has two sensors called {all[i].GetName()}, and their order may "
+                        + "change: give each a Sensor Name of its own", agent);
             if (agent.GetComponentInChildren<ActuatorComponent>() != null)
                 Debug.LogError($"{agent.name}: actuators of one's own do not act here: move what they do into "
                     + "OnActionReceived, and their actions into Behavior Parameters", agent);

@@ -1,5 +1,5 @@
-// ML-Agents' shape, rows: the array of each sensor as it stands in a record. Pictures are uint8, 255 for 1.0; all others
-// are float32.
+// ML-Agents' shape, rows: the array of each sensor as it stands in a record. Pictures are uint8, 255 for 1.0; all
+// others are float32.
 using System;
 using System.Runtime.InteropServices;
 

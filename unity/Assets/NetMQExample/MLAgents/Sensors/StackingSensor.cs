@@ -73,7 +73,8 @@ namespace NetMQExample.MLAgents.Sensors
         public void Dispose() => (wrapped as IDisposable)?.Dispose();
 
         // A sensor alone, or in a stack.
-        internal static ISensor Of(ISensor sensor, int stacks) => stacks > 1 ? new StackingSensor(sensor, stacks) : sensor;
+        internal static ISensor Of(ISensor sensor, int stacks) =>
+            stacks > 1 ? new StackingSensor(sensor, stacks) : sensor;
 
         // As they were sent last.
         internal ReadOnlyCollection<float> GetStackedObservations()
@@ -90,7 +91,7 @@ namespace NetMQExample.MLAgents.Sensors
             shape[0] *= count;
             return shape.Length == 1 || shape.Length == 3
                 ? new ObservationSpec(shape, spec.DimensionProperties, spec.ObservationType)
-                : throw new UnityAgentsException($"{one.GetName()} cannot be stacked: only vectors and pictures can be");
+                : throw new UnityAgentsException($"{one.GetName()} cannot be stacked: only vectors and pictures can");
         }
     }
 }

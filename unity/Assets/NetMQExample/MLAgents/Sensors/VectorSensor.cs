@@ -95,7 +95,7 @@ namespace NetMQExample.MLAgents.Sensors
         private static string NameOf(int size, ObservationType type) =>
             $"VectorSensor_size{size}{(type == ObservationType.Default ? "" : $"_{type}")}";
 
-        // What was added since the last decision.
+        // The numbers that were added since the last decision.
         internal ReadOnlyCollection<float> GetObservations() => seen;
     }
 }

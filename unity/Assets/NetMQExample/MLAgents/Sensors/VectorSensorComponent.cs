@@ -20,7 +20,7 @@ namespace NetMQExample.MLAgents.Sensors
         /// <summary>How many numbers it has.</summary>
         public int ObservationSize { get => m_ObservationSize; set => m_ObservationSize = value; }
 
-        /// <summary>What it is for.</summary>
+        /// <summary>Its purpose.</summary>
         public ObservationType ObservationType { get => m_ObservationType; set => m_ObservationType = value; }
 
         /// <summary>How many of them go together.</summary>

@@ -61,8 +61,8 @@ namespace NetMQExample.MLAgents.Sensors.Reflection
             var numbers = type.IsValueType ? Numbers(Activator.CreateInstance(type)) : null;
             if (numbers == null || member is PropertyInfo property && !property.CanRead)
             {
-                Debug.LogError($"[Observable] {place} cannot be seen: give it a getter, and one of the types int, bool, "
-                    + "float, Vector2, Vector3, Vector4, Quaternion or an enum");
+                Debug.LogError($"[Observable] {place} cannot be seen: give it a getter, and one of the types int, "
+                    + "bool, float, Vector2, Vector3, Vector4, Quaternion or an enum");
                 return null;
             }
             var name = string.IsNullOrEmpty(asked.Name) ? $"ObservableAttribute:{place}" : asked.Name;
@@ -78,7 +78,8 @@ namespace NetMQExample.MLAgents.Sensors.Reflection
             Vector3 v => new[] { v.x, v.y, v.z },
             Vector4 v => new[] { v.x, v.y, v.z, v.w },
             Quaternion q => new[] { q.x, q.y, q.z, q.w },
-            Enum choice => Enum.GetValues(choice.GetType()).Cast<Enum>().Select(one => Has(choice, one) ? 1f : 0).ToArray(),
+            Enum choice =>
+                Enum.GetValues(choice.GetType()).Cast<Enum>().Select(one => Has(choice, one) ? 1f : 0).ToArray(),
             _ => null,
         };
 
