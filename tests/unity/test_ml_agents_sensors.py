@@ -66,6 +66,8 @@ True
 UnityAgentsException: screen: its Render Texture Sensor has no Render Texture: give it one
 RenderTextureSensor [3, 2, 2] uint8 0 1,2,2: 0 0 0 0 0 0 0 0 0 0 0 0
 RenderTextureSensor [3, 2, 2] uint8 0 1,2,2: 1 1 1 1 2 2 2 2 3 3 3 3
+CameraSensor sees black only, for there is no graphics card: start without -nographics
+StackingSensor_size2_CameraSensor [2, 2, 4] uint8 0 1,2,2: 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0
 Lists:
 VectorSensor_size3 StackingSensor_size2_VectorSensor_size3: a, b, old, Own, StackingSensor_size2_VectorSensor_size3
 Own [2, 1, 3] 0 1,2,2: 0 0 0 0 0 0.5

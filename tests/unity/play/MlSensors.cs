@@ -207,6 +207,11 @@ namespace MlTest
             camera.Render();
             Show(sensor);
             (sensor as IDisposable)?.Dispose();
+            SystemInfo.NoGraphics = true;
+            sensor = eye.CreateSensors()[0];
+            Look(sensor);
+            (sensor as IDisposable)?.Dispose();
+            SystemInfo.NoGraphics = false;
         }
 
         private static void Lists()
