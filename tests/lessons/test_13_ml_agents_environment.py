@@ -103,7 +103,7 @@ def ids(env, name=BALL):
 
 def test_behaviors_are_what_the_scene_says(arena):
     env = arena(Walker("Ball", picture=True), Walker("Goal", team=1, floats=1, branches=(3, 2)), seed=7)
-    assert isinstance(env, BaseEnv) and len(env.behavior_specs) == 0, "they come with the first reset"
+    assert issubclass(UnityEnvironment, BaseEnv) and len(env.behavior_specs) == 0, "they come with the first reset"
     env.reset()
     assert list(env.behavior_specs) == env.get_behavior_names() == env.get_agent_groups() == [BALL, GOAL]
     assert env._env_specs[BALL] == env.get_behavior_spec(BALL) == env.behavior_specs[BALL]

@@ -67,6 +67,9 @@ __all__ = [
 ]
 
 
+ANALYTICS = DefaultTrainingAnalyticsSideChannel.CHANNEL_ID
+
+
 class UnityEnvironment(BaseEnv):
     """`file_name` is a build to launch, on a free port; without it Play is waited for, on `base_port` + `worker_id`.
 
@@ -113,7 +116,7 @@ class UnityEnvironment(BaseEnv):
         self._additional_args = [*(additional_args or ())]
         self._side_channel_manager = SideChannelManager(
             # Nothing is told to Unity's analytics.
-            [one for one in side_channels or () if one.channel_id != DefaultTrainingAnalyticsSideChannel.CHANNEL_ID]
+            [one for one in side_channels or () if getattr(one, "channel_id", None) != ANALYTICS]
         )
         where: dict[str, Any] = {"wait": timeout_wait, "timeout": timeout_wait}
         if file_name is None:
