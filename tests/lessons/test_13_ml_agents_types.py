@@ -6,6 +6,7 @@ import pickle
 import subprocess
 import sys
 import uuid
+from typing import Any
 
 import pytest
 
@@ -95,7 +96,8 @@ def test_terminal_steps_have_six_values_in_ml_agents_order():
     one = steps[3]
     assert isinstance(one, TerminalStep) and (one.interrupted, one.agent_id, one.reward) == (False, 3, 2)
     assert (list(steps), steps.interrupted.tolist(), steps[4].interrupted) == ([4, 3], [True, False], True)
-    for kind in (DecisionSteps, TerminalSteps, DecisionStep, TerminalStep):
+    kinds: list[Any] = [DecisionSteps, TerminalSteps, DecisionStep, TerminalStep]
+    for kind in kinds:
         with pytest.raises(TypeError):
             kind([], np.zeros(0), np.zeros(0))
 

@@ -187,11 +187,9 @@ class UnityEnvironment(BaseEnv):
         self._check_loaded()
         try:
             self._link.step(self._clock, self._actions)
-        except UnityActionException:
-            # Nothing has moved.
-            raise
-        except UnityException:
-            self._begun = False
+        except UnityException as error:
+            # A wrong action has moved nothing.
+            self._begun = isinstance(error, UnityActionException)
             raise
         finally:
             self._forget_actions()
