@@ -1,4 +1,4 @@
-"""What the agents of a kind see by Python's clock, as float32 arrays: rows of one size as a block, others one by one.
+"""Observations of the agents of a kind by Python's clock, as float32 arrays: rows of one size as a block, others one by one.
 
 It needs gymnasium and numpy.
 """

@@ -83,7 +83,7 @@ class SceneClock(Clock):
 
 
 class Behavior:
-    """What the rows of a behavior have, as the scene describes it."""
+    """The rows of a behavior, as the scene describes them."""
 
     def __init__(self, described: Any, channels_first: bool) -> None:
         if not isinstance(described, dict):

@@ -115,7 +115,7 @@ class ActionSpec(NamedTuple):
 
 
 class DimensionProperty(IntFlag):
-    """What a dimension of an observation is good for."""
+    """The use of one dimension of an observation."""
 
     UNSPECIFIED = 0
     NONE = 1
