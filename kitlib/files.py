@@ -84,7 +84,12 @@ def locked(path: Path) -> Iterator[None]:
 
 
 def replace(source: Path, target: Path) -> None:
-    """Move a file; on Windows a virus scanner or Unity's importer may have the old one open for a moment."""
+    """Move a file, which gets the permissions of the old one: of these Git shows one.
+
+    On Windows a virus scanner or Unity's importer may have the old one open for a moment.
+    """
+    with suppress(FileNotFoundError):
+        shutil.copymode(target, source)
     for wait in (0.2, 0.2, 0.0):
         try:
             os.replace(source, target)

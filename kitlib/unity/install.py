@@ -6,6 +6,7 @@ Nothing is written before everything is at hand and nothing stands in the way: a
 import json
 import os
 import re
+from collections.abc import Iterator, Set
 from pathlib import Path
 
 from kitlib.files import digest, news, place, put
@@ -16,7 +17,7 @@ from kitlib.unity.inventory import JSON_DLL, TARGET, Inventory, unity_version
 from kitlib.unity.libraries import PLUGINS, libraries, notices
 from kitlib.unity.meta import behaviours
 from kitlib.unity.project import OLDEST, advice, check_foreign, check_moved, find_project, has_scripts
-from kitlib.unity.scripts import JSON, code, scripts, unitys_packages
+from kitlib.unity.scripts import JSON, ML_AGENTS, code, scripts, unitys_packages
 
 ALONE = "the scripts alone: they need NetMQ.dll and the DLLs that it needs"
 # The files that this command wrote, and so may write again. Unity ignores names that begin with a dot.
@@ -24,14 +25,19 @@ RECORD = f"{TARGET}/.kit.json"
 
 
 def install(
-    project: Path, lesson: str | None = None, force: bool = False, scripts_only: bool = False, dlls: Path | None = None
+    project: Path,
+    lesson: str | None = None,
+    force: bool = False,
+    scripts_only: bool = False,
+    dlls: Path | None = None,
+    without: Set[str] = frozenset(),
 ) -> None:
     """Copy the package, or what one lesson needs of it, and the DLLs; a KitError says why not.
 
-    The DLLs come from the folder `dlls`, or else from NuGet.
+    The DLLs come from the folder `dlls`, or else from NuGet. The packages `without` will leave the project.
     """
     root = find_project(project)
-    there = Inventory(root)
+    there = Inventory(root, without)
     if by := has_scripts(root):
         say(f"the scripts come from {by}: they are not copied")
         # Unity reads no link.xml in a package. Without our .meta, whose GUID the package's own file has.
@@ -70,7 +76,12 @@ def check_age(root: Path, lesson: str | None, files: dict[str, bytes]) -> None:
         return
     reason, cure = "NetMQ needs 2021.2 or later (.NET Standard 2.1), all lessons 2022.3", ""
     if age >= (2021, 2):
-        reason = f"{f'lesson {lesson} steps physics, which' if lesson else 'the whole package'} needs 2022.3 or later"
+        which = (
+            f"{'' if lesson == ML_AGENTS else 'lesson '}{lesson} steps physics, which"
+            if lesson
+            else "the whole package"
+        )
+        reason = f"{which} needs 2022.3 or later"
         able = [str(one.number) for one in lessons() if not steps_physics(scripts(str(one.number)))]
         cure = f"--lesson takes {', '.join(able[:-1])} or {able[-1]} here; for the others "
     cure += "open a copy of the project with a newer editor in Unity Hub"
@@ -149,8 +160,17 @@ def remove_outdated(root: Path, record: dict[str, str], files: dict[str, bytes],
         return name in licences or (PACKAGE / name.removeprefix(f"{TARGET}/")).exists()
 
     old = [name for name in record if not stays(name)]
+    for name in delete(root, record, old):
+        why = "another package brings it" if name.startswith(PLUGINS) else "it is no longer a part of the kit"
+        say(f"deleted {name}: {why}")
+    return bool(old)
+
+
+def delete(root: Path, record: dict[str, str], names: list[str]) -> Iterator[str]:
+    """Delete these files of the kit, here and in its record, where they are as it wrote them; the names of those that
+    are not .meta files."""
     # A script before its .meta, which stays where the script does; what is in a folder before the folder's.
-    for name in sorted(old, key=lambda name: (name.endswith(".meta"), -name.count("/"))):
+    for name in sorted(names, key=lambda name: (name.endswith(".meta"), -name.count("/"))):
         path, known = root / name, record.pop(name)
         if not path.is_file() or (name.endswith(".meta") and path.with_suffix("").is_file()):
             continue
@@ -158,16 +178,20 @@ def remove_outdated(root: Path, record: dict[str, str], files: dict[str, bytes],
             say(f"{name} is no longer a part of the kit, and stays because you have changed it: delete it if you can")
             continue
         path.unlink()
-        if not name.endswith(".meta"):
-            why = "another package brings it" if name.startswith(PLUGINS) else "it is no longer a part of the kit"
-            say(f"deleted {name}: {why}")
         if not any(path.parent.iterdir()):
             path.parent.rmdir()
-    return bool(old)
+        if not name.endswith(".meta"):
+            yield name
 
 
 def next_steps(root: Path, lesson: str | None) -> list[str]:
     """The words to type and the buttons to press now."""
+    if lesson == ML_AGENTS:
+        return [
+            "next, in a terminal: python -m netmq_example.mlagents_learn and your YAML file, or your own program with"
+            " netmq_example.mlagents_envs; docs/guide/from_ml_agents.md has both",
+            "then, in Unity: wait for the import, open your scene; and press Play",
+        ]
     key = find(lesson or "1").key
     # The one that kit.py runs the lessons with; the terminal may be in any folder.
     python = python_setup.interpreter(key)

@@ -3,9 +3,9 @@
 import itertools
 import json
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Set
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from kitlib.lessons import ROOT, KitError, read_json
 
@@ -56,11 +56,16 @@ class Copy(NamedTuple):
 class Inventory:
     """A project's packages by name, with their versions, and its copies of the DLLs that the kit needs."""
 
-    def __init__(self, root: Path) -> None:
+    def __init__(self, root: Path, without: Set[str] = frozenset()) -> None:
+        """`without`: packages that are about to leave, with all that they alone have brought along."""
         # Unity writes down what it has resolved, also what a package brings along.
         locked = read_json(root / "Packages" / "packages-lock.json").get("dependencies") or {}
         named = {name: str(entry.get("version", "")) for name, entry in locked.items()} | dependencies(root)
+        direct = {name for name, entry in locked.items() if not entry.get("depth")} | dependencies(root).keys()
+        gone = brought(locked, without) - brought(locked, direct - without)
+        named = {name: version for name, version in named.items() if name not in gone}
         cache = list((root / "Library" / "PackageCache").glob("*@*"))
+        cache = [folder for folder in cache if folder.name.split("@")[0] not in gone]
         folders = {folder: folder.name.split("@")[0] for folder in cache}
         local = package_folders(root)
         embedded = {package_name(folder): "" for folder in local}
@@ -85,6 +90,17 @@ class Inventory:
         for one, other in itertools.combinations(found, 2):
             if one.parts & other.parts:
                 yield f"NetMQ is here twice, by {one.where} and {other.where}: remove one, or nothing compiles"
+
+
+def brought(locked: dict[str, Any], names: Set[str]) -> set[str]:
+    """These packages, and all that they bring along."""
+    found = set(names)
+    todo = list(names)
+    for name in todo:  # It grows meanwhile.
+        new = (locked.get(name, {}).get("dependencies") or {}).keys() - found
+        found |= new
+        todo += new
+    return found
 
 
 def unity_version(root: Path) -> tuple[int, int]:

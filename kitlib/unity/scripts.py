@@ -3,7 +3,7 @@
 import functools
 import re
 import tomllib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Set
 from pathlib import Path
 
 from kitlib.lessons import PACKAGE, KitError, Lesson, find
@@ -15,9 +15,19 @@ JSON = ("com.unity.nuget.newtonsoft-json", "3.2.1")
 NAMES: dict[str, dict[str, str]] = tomllib.loads(Path(__file__).with_name("names.toml").read_text(encoding="utf-8"))
 
 
+# The programs of lesson 13 itself, which nothing else uses.
+EXAMPLES = ("SideChannelClient", "SideChannelRounds", "StringLogChannel")
+# In the place of a lesson: the files of a project that comes from ML-Agents.
+ML_AGENTS = "ml-agents"
+
+
 def scripts(lesson: str | None) -> dict[str, bytes]:
     """The files to copy, with their .meta: all of the package, or what one lesson needs."""
-    chosen = assets() if lesson is None else of_lesson(find(lesson).unity)
+    chosen = assets()
+    if lesson == ML_AGENTS:
+        chosen = of_ml_agents()
+    elif lesson is not None:
+        chosen = of_lesson(find(lesson).unity)
     found: dict[str, bytes] = {}
     for path in chosen:
         name = f"{TARGET}/{path.relative_to(PACKAGE).as_posix()}".removesuffix("/.")
@@ -45,6 +55,17 @@ def of_lesson(folder: Path) -> list[Path]:
     return [PACKAGE, *folders, *chosen, PACKAGE / "link.xml"]
 
 
+def of_ml_agents() -> list[Path]:
+    """The scripts of ML-Agents' shape, and those that they use; without the lessons' examples."""
+    space = re.compile(r"^namespace NetMQExample\.(MLAgents|RawSideChannels)\b", re.MULTILINE)
+    parts = [*sorted(PACKAGE.glob("MLAgents/**/*.cs")), *sorted(PACKAGE.glob("[0-9][0-9]_*/*.cs"))]
+    shape = [path for path in parts if space.search(code(path)) and path.stem not in EXAMPLES]
+    own = {name for path in shape for name in types(path)}
+    chosen = with_used(shape, "99", code, own)
+    folders = {folder for path in chosen for folder in path.parents if folder.is_relative_to(PACKAGE)}
+    return [*sorted(folders), *chosen, PACKAGE / "NetMQExample.asmdef", PACKAGE / "link.xml"]
+
+
 def without_unity(lesson: Lesson) -> list[Path]:
     """Those of a lesson's scripts that need .NET alone, and the earlier ones that they and its terminal client use."""
     scripts = [path for path in sorted(lesson.unity.glob("*.cs")) if plain_code(path).strip()]
@@ -52,14 +73,21 @@ def without_unity(lesson: Lesson) -> list[Path]:
     return [path for path in with_used([lesson.console, *plain], lesson.key, plain_code) if path != lesson.console]
 
 
-def with_used(scripts: list[Path], key: str, read: Callable[[Path], str]) -> list[Path]:
-    """These scripts, and those of Shared and of lessons before this one that they use."""
+def with_used(scripts: list[Path], key: str, read: Callable[[Path], str], own: Set[str] = frozenset()) -> list[Path]:
+    """These scripts, and those of Shared and of lessons before this one that they use.
+
+    To these scripts the names `own` are types of theirs, also where a lesson has one of that name.
+    """
     others = [path for path in sorted(PACKAGE.glob("[0-9][0-9]_*/*.cs")) if path.parent.name < key]
     others += sorted(PACKAGE.glob("Shared/*.cs"))
     chosen = list(scripts)
     for path in chosen:  # It grows meanwhile: what is used may use others.
-        text = read(path)
-        chosen += [other for other in others if other not in chosen and any(uses(text, name) for name in types(other))]
+        text, theirs = read(path), own if path in scripts else frozenset()
+        chosen += [
+            other
+            for other in others
+            if other not in chosen and any(uses(text, name) for name in types(other) if name not in theirs)
+        ]
     return chosen
 
 
@@ -77,8 +105,11 @@ def plain_code(script: Path) -> str:
 @functools.cache
 def types(script: Path) -> list[str]:
     """The types that a script has for others: PoseSubscriber.cs has PoseMessage as well."""
-    declared = r"^    (?:public|internal) [\w ]*\b(?:class|struct|interface|enum) (\w+)"
-    return re.findall(declared, script.read_text(encoding="utf-8-sig", errors="replace"), re.MULTILINE)
+    return types_of(script.read_text(encoding="utf-8-sig", errors="replace"))
+
+
+def types_of(text: str) -> list[str]:
+    return re.findall(r"^    (?:public|internal) [\w ]*\b(?:class|struct|interface|enum) (\w+)", text, re.MULTILINE)
 
 
 def uses(code: str, name: str) -> bool:

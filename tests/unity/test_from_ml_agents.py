@@ -1,0 +1,444 @@
+"""kit.py unity PATH --from ml-agents: an ML-Agents project moves in, does so once, and can be taken back.
+
+The projects are small, in the words of three eras: early 2020, 1.x and 2.x, and 3.x in Unity 6.
+"""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from kitlib.lessons import PACKAGE, ROOT, KitError
+from kitlib.unity import ml_agents, moving
+from kitlib.unity.edits import Edit, applied, reversed_
+from kitlib.unity.inventory import LIBRARIES
+from kitlib.unity.meta import own_guid
+from kitlib.unity.scripts import ML_AGENTS, scripts, types
+
+TARGET = "Assets/NetMQExample"
+OURS = {path.stem: own_guid(path) for path in PACKAGE.glob("MLAgents/**/*.cs")}
+THEIRS = {name: guid for guid, name in ml_agents.FACTS["scripts"].items()}
+KITS_ASSEMBLY = own_guid(ml_agents.ASSEMBLY)
+
+AGENT = """using UnityEngine;
+using Unity.MLAgents;
+using Unity.MLAgents.Actuators;
+using static Unity.MLAgents.Actuators.ActionSpec;
+using Spec = Unity.MLAgents.Actuators.ActionSpec;
+
+// Unity.MLAgents in a comment stays.
+public class Ball : MonoBehaviour
+{
+    private global::Unity.MLAgents.Policies.BehaviorType type = Unity.MLAgents.Policies.BehaviorType.Default;
+    private char quote = '"'; // using Unity.MLAgents;
+    private string path = @"C:\\Unity.MLAgents\\";
+}
+"""
+
+
+def component(name, more=""):
+    script = f"{{fileID: 11500000, guid: {THEIRS[name]}, type: 3}}"
+    return f"--- !u!114 &1\nMonoBehaviour:\n  m_Enabled: 1\n  m_Script: {script}\n  m_Name: \n{more}"
+
+
+OF_A_MODEL = "  m_Model: {fileID: 11400000, guid: 0123, type: 3}\n  m_BehaviorType: 2\n"
+SCENE = "%YAML 1.1\n" + component("BehaviorParameters", OF_A_MODEL) + component("TrainingAreaReplicator")
+UNITY_6 = """  m_EditorClassIdentifier: Unity.ML-Agents::Unity.MLAgents.Policies.BehaviorParameters
+      m_TargetAssemblyTypeName: Unity.MLAgents.Policies.BehaviorParameters, Unity.ML-Agents
+"""
+OLD = """using System;
+using MLAgents;
+using MLAgents.Policies;
+namespace MLAgents { class Helper { } }
+public class Old : MLAgents.Policies.BehaviorParameters
+{
+    public override void InitializeAgent() { }
+    public override void CollectObservations() { AddVectorObs(1f); }
+    public override void AgentAction(float[] action) { Done(); }
+    public override void AgentReset() { }
+}
+"""
+RAW = """using MLAgents.SideChannels;
+class Log : SideChannel { protected override void OnMessageReceived(byte[] data) { } }
+"""
+MANIFEST = """{
+  "dependencies": {
+    "com.unity.ml-agents": "2.0.1",
+    "com.unity.ugui": "1.0.0",
+    "com.unity.barracuda": "3.0.0"
+  }
+}
+"""
+
+
+def put(root, files):
+    for name, data in files.items():
+        path = root / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(data if isinstance(data, bytes) else data.encode())
+
+
+def listing(root):
+    """Each file with its permissions."""
+    return {
+        path.relative_to(root).as_posix(): (path.read_bytes(), path.stat().st_mode)
+        for path in root.rglob("*")
+        if path.is_file()
+    }
+
+
+@pytest.fixture
+def project(tmp_path):
+    root = tmp_path / "My Game"
+    put(root, {"ProjectSettings/ProjectVersion.txt": "m_EditorVersion: 2022.3.10f1\n"})
+    put(root, {"Packages/manifest.json": MANIFEST, "Assets/Ball.cs": AGENT, "Assets/Main.unity": SCENE})
+    return root
+
+
+@pytest.fixture
+def dlls(tmp_path):
+    for _, _, inside in LIBRARIES:
+        put(tmp_path / "dlls", {Path(inside).name: b"MZ"})
+    return tmp_path / "dlls"
+
+
+@pytest.fixture
+def move(project, dlls, capsys):
+    """move() moves the project in; what it said."""
+
+    def call(yes=True, force=False):
+        moving.move_in(project, yes, force, False, dlls)
+        return capsys.readouterr().out
+
+    return call
+
+
+def changed(move, project, name):
+    move()
+    return (project / name).read_text(encoding="utf-8")
+
+
+def test_it_says_all_before_it_changes_anything(move, project):
+    before = listing(project)
+    said = move(yes=False)
+    assert listing(project) == before
+    assert "would change Assets/Ball.cs: 6 names" in said
+    assert "would change Assets/Main.unity: 1 component (BehaviorParameters 1)" in said
+    assert "would change Packages/manifest.json: without com.unity.barracuda, com.unity.ml-agents" in said
+    assert "Assets/Ball.cs:12: a text names ML-Agents" in said
+    assert "Assets/Main.unity:7: a model in BehaviorParameters" in said
+    assert "Assets/Main.unity:8: Behavior Type Inference Only" in said
+    assert "Assets/Main.unity:12: TrainingAreaReplicator, which the kit lacks" in said
+    assert said.endswith("nothing was changed yet: commit the project, then add --yes; --undo takes it back\n")
+
+
+def test_names_of_a_script_change_and_its_comments_and_texts_do_not(move, project):
+    text = changed(move, project, "Assets/Ball.cs")
+    for line in (
+        "using NetMQExample.MLAgents;",
+        "using static NetMQExample.MLAgents.Actuators.ActionSpec;",
+        "using Spec = NetMQExample.MLAgents.Actuators.ActionSpec;",
+        "global::NetMQExample.MLAgents.Policies.BehaviorType type = NetMQExample.MLAgents.Policies.BehaviorType.",
+        "// Unity.MLAgents in a comment stays.",
+        "// using Unity.MLAgents;",
+        '@"C:\\Unity.MLAgents\\"',
+    ):
+        assert line in text
+
+
+def test_components_are_found_again_with_all_that_was_set(move, project):
+    scene = changed(move, project, "Assets/Main.unity")
+    assert scene == SCENE.replace(THEIRS["BehaviorParameters"], OURS["BehaviorParameters"])
+
+
+def test_unity_6_names_the_class_too(move, project):
+    put(project, {"Assets/Six.prefab": "%YAML 1.1\n" + component("BehaviorParameters", UNITY_6)})
+    text = changed(move, project, "Assets/Six.prefab")
+    assert "NetMQExample::NetMQExample.MLAgents.Policies.BehaviorParameters\n" in text
+    assert "NetMQExample.MLAgents.Policies.BehaviorParameters, NetMQExample\n" in text
+
+
+def test_the_names_of_2020(move, project):
+    put(project, {"Assets/Ball.cs": OLD, "Assets/Log.cs": RAW})
+    said = move()
+    text = (project / "Assets" / "Ball.cs").read_text()
+    for line in (
+        "using NetMQExample.MLAgents;",
+        "using NetMQExample.MLAgents.Policies;",
+        "namespace NetMQExample.MLAgents {",
+        "class Old : NetMQExample.MLAgents.Policies.BehaviorParameters",
+    ):
+        assert line in text
+    for line, words in ((7, "InitializeAgent is Initialize"), (9, "Done() is EndEpisode()"), (10, "AgentReset is")):
+        assert f"Assets/Ball.cs:{line}: {words}" in said
+    assert "using NetMQExample.RawSideChannels;" in (project / "Assets" / "Log.cs").read_text()
+
+
+def test_mlagents_is_a_name_of_their_own_where_unitys_is_used(move, project):
+    mine = "using Unity.MLAgents;\nusing MLAgents;\n"
+    put(project, {"Assets/Mine.cs": mine, "Assets/Other.cs": "namespace MLAgents { class X { } }\n"})
+    assert changed(move, project, "Assets/Mine.cs") == "using NetMQExample.MLAgents;\nusing MLAgents;\n"
+    assert (project / "Assets" / "Other.cs").read_text() == "namespace MLAgents { class X { } }\n"
+
+
+def test_a_namespace_of_their_own_under_unitys_goes_along(move, project):
+    put(project, {"Assets/A.cs": "namespace Unity.MLAgents.Mine { class X { } }\n"})
+    put(project, {"Assets/B.cs": "using Unity.MLAgents.Mine;\n"})
+    assert changed(move, project, "Assets/B.cs") == "using NetMQExample.MLAgents.Mine;\n"
+    assert (project / "Assets" / "A.cs").read_text().startswith("namespace NetMQExample.MLAgents.Mine {")
+
+
+def test_a_using_line_that_nothing_needs_is_deleted_and_another_named(move, project):
+    unused = "using Unity.MLAgents.Integrations.Match3; // why\nusing Unity.MLAgents.Inference.Utils;\r\nclass C { }\n"
+    put(project, {"Assets/C.cs": unused})
+    put(project, {"Assets/D.cs": "using Unity.MLAgents.Integrations.Match3;\nclass D { AbstractBoard b; }\n"})
+    put(project, {"Assets/E.cs": "using Unity.MLAgents.Extensions.Sensors;\n"})
+    said = move()
+    assert (project / "Assets" / "C.cs").read_bytes() == b" // why\nclass C { }\n"
+    assert "Assets/D.cs:1: the kit has no Unity.MLAgents.Integrations.Match3" in said
+    assert "Assets/E.cs:1: the kit has no Unity.MLAgents.Extensions.Sensors" in said
+
+
+@pytest.mark.parametrize("package", ["Unity.Barracuda", "Unity.Sentis", "Unity.InferenceEngine", "Barracuda"])
+def test_the_inference_package(package, move, project):
+    put(project, {"Assets/Unused.cs": f"using {package};\nclass A {{ }}\n"})
+    put(project, {"Assets/Model.cs": f"using {package};\nclass B {{ NNModel a; {package}.ModelAsset b; }}\n"})
+    assert changed(move, project, "Assets/Unused.cs") == "class A { }\n"
+    space = ml_agents.spaces()["NNModel"]
+    assert (
+        project / "Assets" / "Model.cs"
+    ).read_text() == f"using {space};\nclass B {{ NNModel a; {space}.ModelAsset b; }}\n"
+
+
+def test_an_inference_package_that_is_used_stays(move, project):
+    own = "using Unity.Barracuda;\nclass A { IWorker worker; NNModel model; }\n"
+    put(project, {"Assets/Own.cs": own})
+    said = move()
+    assert (project / "Assets" / "Own.cs").read_text() == own
+    assert "com.unity.barracuda" in (project / "Packages" / "manifest.json").read_text()
+    assert "Assets/Own.cs: it uses com.unity.barracuda, which stays" in said
+
+
+def test_assembly_definitions(move, project):
+    by_name = '{\n  "name": "A",\n  "references": ["Unity.ML-Agents", "X", "Unity.ML-Agents.CommunicatorObjects"]\n}\n'
+    by_guid = '{"name": "B", "references": [\n    "GUID:85e0054f8e64b47309646d35f8851f81"\n]}'
+    both = '{"name": "C", "references": ["Unity.ML-Agents", "NetMQExample", "Unity.ML-Agents.Extensions"]}'
+    put(project, {"Assets/A/A.asmdef": by_name, "Assets/B/B.asmdef": by_guid, "Assets/C/C.asmdef": both})
+    said = move()
+
+    def references(name):
+        return json.loads((project / "Assets" / name / f"{name}.asmdef").read_text())["references"]
+
+    assert references("A") == ["NetMQExample", "X"]
+    assert references("B") == [f"GUID:{KITS_ASSEMBLY}"]
+    assert references("C") == ["NetMQExample", "Unity.ML-Agents.Extensions"]
+    assert "Assets/C/C.asmdef:1: the kit has no assembly Unity.ML-Agents.Extensions" in said
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        ('{\n  "dependencies": {\n    "com.unity.ml-agents": "1.0.8"\n  }\n}', '{\n  "dependencies": {\n  }\n}'),
+        (
+            '{\r\n\t"dependencies": {\r\n\t\t"a": "1",\r\n\t\t"com.unity.ml-agents": "file:../x"\r\n\t}\r\n}',
+            '{\r\n\t"dependencies": {\r\n\t\t"a": "1"\r\n\t}\r\n}',
+        ),
+        (
+            '\ufeff{"dependencies": {"com.unity.ml-agents": "1", "com.unity.sentis": "1", "b": "2"}}',
+            '\ufeff{"dependencies": {"b": "2"}}',
+        ),
+    ],
+)
+def test_the_manifest_keeps_its_look(before, after):
+    names = {"com.unity.ml-agents", "com.unity.sentis", "not.there"}
+    text = ml_agents.manifest(before, names)
+    assert re.sub(r"\{\s*\}", "{}", text) == re.sub(r"\{\s*\}", "{}", after)
+
+
+def test_what_only_ml_agents_brought_is_added(move, project):
+    """Its own packages leave with it, and the kit needs some of them."""
+    brought = {"com.unity.modules.physics": "1.0.0", "com.unity.nuget.newtonsoft-json": "3.2.1"}
+    lock = {"com.unity.ml-agents": {"depth": 0, "dependencies": brought}, **{name: {"depth": 1} for name in brought}}
+    put(project, {"Packages/packages-lock.json": json.dumps({"dependencies": lock})})
+    unsafe = "Library/PackageCache/com.unity.barracuda@3.0.0/System.Runtime.CompilerServices.Unsafe.dll"
+    put(project, {unsafe: b"MZ", f"{unsafe}.meta": "guid: 1"})
+    move()
+    assert "newtonsoft-json" in (project / "Packages" / "manifest.json").read_text()
+    assert (project / TARGET / "Plugins" / Path(unsafe).name).exists()
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "cp1252", "utf-16"])
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_the_encoding_and_the_ends_of_the_lines_stay(encoding, end, move, project):
+    text = "using Unity.MLAgents;\n// größer\n".replace("\n", end)
+    put(project, {"Assets/Mine.cs": text.encode(encoding)})
+    move()
+    after = text.replace("Unity.MLAgents", "NetMQExample.MLAgents")
+    assert (project / "Assets" / "Mine.cs").read_bytes() == after.encode(encoding)
+
+
+def test_the_second_run_does_nothing_and_undo_takes_back_all(move, project, capsys):
+    (project / "Assets" / "Ball.cs").chmod(0o755)
+    before = listing(project)
+    move()
+    # A script that comes later is moved, too, and the first run is not forgotten.
+    put(project, {"Assets/Later.cs": "using Unity.MLAgents;\n"})
+    move()
+    after = listing(project)
+    assert "nothing to change" in move()
+    assert listing(project) == after
+    moving.undo(project, force=False)
+    assert listing(project) == {**before, "Assets/Later.cs": (b"using Unity.MLAgents;\n", after["Assets/Later.cs"][1])}
+    assert not (project / TARGET).exists()
+    with pytest.raises(KitError, match="nothing was moved in here"):
+        moving.undo(project, force=False)
+
+
+def test_undo_keeps_what_was_there_before(move, project, dlls):
+    moving.install(project, "4", dlls=dlls)
+    before = listing(project)
+    move()
+    moving.undo(project, force=False)
+    assert listing(project) == before
+
+
+def test_a_file_that_was_changed_since_is_not_undone(move, project, capsys):
+    move()
+    mine = project / "Assets" / "Ball.cs"
+    mine.write_text(mine.read_text() + "// more\n")
+    after = listing(project)
+    with pytest.raises(KitError, match=r"^Assets/Ball\.cs was changed since: nothing was undone; --force undoes the"):
+        moving.undo(project, force=False)
+    assert listing(project) == after
+    moving.undo(project, force=True)
+    assert mine.read_text().endswith("// more\n")
+    assert (project / "Assets" / "Main.unity").read_text() == SCENE
+    assert "left for you: Assets/Ball.cs was changed since, and stays" in capsys.readouterr().out
+
+
+def test_the_notes_of_anybody_write_nothing_elsewhere(move, project, tmp_path):
+    move()
+    outside = tmp_path / "outside.txt"
+    outside.write_text("b")
+    notes = project / moving.NOTES
+    entry = {"before": moving.checksum(b"a"), "after": moving.checksum(b"b"), "edits": [[0, "a", "b"]]}
+    found = json.loads(notes.read_text())
+    found["moves"][0]["files"]["../outside.txt"] = entry
+    found["moves"][0]["copied"].append("../outside.txt")
+    notes.write_text(json.dumps(found))
+    moving.undo(project, force=True)
+    assert outside.read_text() == "b"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="links need a right there")
+def test_nothing_behind_a_link_is_changed(move, project, tmp_path):
+    outside = tmp_path / "shared"
+    put(outside, {"Mine.cs": AGENT})
+    (project / "Assets" / "Shared").symlink_to(outside)
+    (project / "Assets" / "Mine.cs").symlink_to(outside / "Mine.cs")
+    move()
+    assert (outside / "Mine.cs").read_text() == AGENT
+    (project / "Assets").rename(tmp_path / "Assets")
+    (project / "Assets").symlink_to(tmp_path / "Assets")
+    with pytest.raises(KitError, match=r"^Assets is a link to .*: nothing was changed"):
+        move()
+
+
+def test_a_read_only_file_is_named_before_anything_changes(move, project, monkeypatch):
+    before = listing(project)
+    monkeypatch.setattr(os, "access", lambda path, mode: Path(path).name != "Main.unity")
+    with pytest.raises(KitError, match=r"^Assets/Main\.unity is read-only: nothing was changed"):
+        move()
+    assert listing(project) == before
+
+
+def test_files_that_are_no_text_are_named_with_the_cure(move, project):
+    # Unity writes a GUID's bytes with their halves swapped.
+    swapped = bytes.fromhex(re.sub("(.)(.)", r"\2\1", THEIRS["BehaviorParameters"]))
+    put(project, {"Assets/Binary.unity": b"\0\0" + swapped, "Assets/Terrain.asset": b"\0\0\0"})
+    put(project, {"Assets/Far.prefab": b"version https://git-lfs.github.com/spec/v1\n"})
+    said = move()
+    assert "Assets/Binary.unity: it is no text" in said and "Force Text" in said
+    assert "Assets/Far.prefab: only Git LFS's note" in said
+    assert "Terrain" not in said
+
+
+def test_what_is_not_the_projects_own_is_left_alone(move, project):
+    theirs = {
+        "Library/PackageCache/com.unity.ml-agents@2.0.1/Runtime/Agent.cs": "namespace Unity.MLAgents { }\n",
+        "Packages/com.unity.ml-agents/package.json": '{"name": "com.unity.ml-agents"}',
+        "Packages/com.unity.ml-agents/Runtime/Agent.cs": "namespace Unity.MLAgents { }\n",
+        "Assets/ML-Agents/Scripts/Agent.cs": "namespace MLAgents { }\n",
+        "Assets/ML-Agents/Scripts/Agent.cs.meta": f"guid: {THEIRS['Agent']}\n",
+        "Assets/ML-Agents/Editor/AgentEditor.cs": "using Unity.MLAgents;\n",
+        "Assets/Samples~/Sample.cs": "using Unity.MLAgents;\n",
+    }
+    put(project, theirs)
+    put(project, {"Packages/mine/package.json": '{"name": "mine"}', "Packages/mine/Mine.cs": "using Unity.MLAgents;\n"})
+    said = move()
+    for name, text in theirs.items():
+        assert (project / name).read_text() == text
+    assert (project / "Packages" / "mine" / "Mine.cs").read_text() == "using NetMQExample.MLAgents;\n"
+    for folder in ("Packages/com.unity.ml-agents", "Assets/ML-Agents/Editor", "Assets/ML-Agents/Scripts"):
+        assert f"{folder}: this is ML-Agents itself: delete it in Unity" in said
+
+
+def test_a_project_without_ml_agents_stays_as_it_is(move, project):
+    (project / "Assets" / "Ball.cs").unlink()
+    (project / "Assets" / "Main.unity").unlink()
+    put(project, {"Packages/manifest.json": '{"dependencies": {"com.unity.sentis": "2.0.0"}}'})
+    before = listing(project)
+    assert "nothing to change" in move()
+    assert listing(project) == before
+
+
+def test_an_older_unity_is_refused_and_nothing_is_changed(move, project):
+    put(project, {"ProjectSettings/ProjectVersion.txt": "m_EditorVersion: 2019.4.1f1\n"})
+    before = listing(project)
+    with pytest.raises(KitError, match=r"^this project is for Unity 2019\.4"):
+        move()
+    assert listing(project) == before
+
+
+def test_the_copied_scripts_are_no_lessons_examples():
+    names = {Path(name).name for name in scripts(ML_AGENTS) if name.endswith(".cs")}
+    assert names >= {path.name for path in PACKAGE.glob("MLAgents/**/*.cs")}
+    assert names >= {"Academy.cs", "SideChannel.cs", "RawBytesChannel.cs", "RawSideChannel.cs", "NetMQConnection.cs"}
+    examples = {"CartPole", "CartPoleAgent", "CoinCar", "RoadCar", "Pursuit", "SideChannelClient", "StringLogChannel"}
+    assert not {f"{name}.cs" for name in examples} & names
+
+
+def test_each_component_of_the_kit_is_found():
+    """Whatever the kit has of ML-Agents' components has its GUID in the table, and one class each."""
+    for name in OURS.keys() & set(ml_agents.FACTS["types"]["names"].split()):
+        (path,) = PACKAGE.glob(f"MLAgents/**/{name}.cs")
+        is_component = re.search(rf"(?<!abstract )class {name} : \w*(Behaviour|SensorComponent\w*)\b", path.read_text())
+        assert name in types(path) and (name in THEIRS or not is_component)
+
+
+def test_edits_are_taken_back_in_order():
+    edits = [Edit(0, "a", "xyz"), Edit(2, "c", ""), Edit(4, "", "!")]
+    data = applied(b"abcd", edits)
+    assert data == b"xyzbd!" and applied(data, reversed_(edits)) == b"abcd"
+    with pytest.raises(ValueError, match="there is no 'c' at 2"):
+        applied(b"abxd", edits)
+
+
+@pytest.mark.parametrize(
+    ("words", "why"),
+    [
+        (["nowhere", "--from", "ml-agents"], "no Unity project: there is no such folder"),
+        (["nowhere", "--yes"], "--yes and --undo are for --from ml-agents"),
+        (["nowhere", "--from", "gymize"], "ml-agents"),
+        (["--package", "X.unitypackage", "--from", "ml-agents"], "--from is for a project"),
+    ],
+)
+def test_a_wrong_word_is_answered_in_one_line(words, why):
+    done = subprocess.run(
+        [sys.executable, ROOT / "kit.py", "unity", *words], capture_output=True, text=True, timeout=60
+    )
+    assert done.returncode and why in done.stderr and "Traceback" not in done.stderr
