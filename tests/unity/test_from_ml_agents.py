@@ -14,7 +14,8 @@ import pytest
 
 from kitlib.lessons import PACKAGE, ROOT, KitError
 from kitlib.unity import ml_agents, moving
-from kitlib.unity.edits import Edit, applied, reversed_
+from kitlib.unity.edits import Edit, applied, checksum, reversed_
+from kitlib.unity.install import install
 from kitlib.unity.inventory import LIBRARIES
 from kitlib.unity.meta import own_guid
 from kitlib.unity.scripts import ML_AGENTS, scripts, types
@@ -299,7 +300,7 @@ def test_the_second_run_does_nothing_and_undo_takes_back_all(move, project, caps
 
 
 def test_undo_keeps_what_was_there_before(move, project, dlls):
-    moving.install(project, "4", dlls=dlls)
+    install(project, "4", dlls=dlls)
     before = listing(project)
     move()
     moving.undo(project, force=False)
@@ -325,7 +326,7 @@ def test_the_notes_of_anybody_write_nothing_elsewhere(move, project, tmp_path):
     outside = tmp_path / "outside.txt"
     outside.write_text("b")
     notes = project / moving.NOTES
-    entry = {"before": moving.checksum(b"a"), "after": moving.checksum(b"b"), "edits": [[0, "a", "b"]]}
+    entry = {"before": checksum(b"a"), "after": checksum(b"b"), "edits": [[0, "a", "b"]]}
     found = json.loads(notes.read_text())
     found["moves"][0]["files"]["../outside.txt"] = entry
     found["moves"][0]["copied"].append("../outside.txt")
