@@ -1,4 +1,4 @@
-"""Observations of the agents of a kind by Python's clock, as float32 arrays: rows of one size as a block, others one by one.
+"""Observations of the agents of a kind by Python's clock, as float32 arrays: rows of one size are a block.
 
 It needs gymnasium and numpy.
 """
