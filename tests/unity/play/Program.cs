@@ -16,6 +16,7 @@
 //     … play.dll body count=60 …                         application 20; see Bodies.cs
 //     … play.dll areas 16 play --endpoint …              lesson 10's areas in a scene; see ManyAreas.cs
 //     … play.dll quiet world --endpoint …                what frames cost in which Python steps; see Quiet.cs
+//     … play.dll clock "A period=2" …                     ML-Agents' shape; see MLAgentsWorlds.cs
 //     … play.dll keys                                    what ArrowKeys makes of the Input System; see Keys.cs
 //     … play.dll views front front                     a Play of lesson 12 with cameras of these names
 //     … play.dll forgotten                               no Play: a socket is not disposed, and the process ends
@@ -54,6 +55,7 @@ namespace NetMQExample.PlayTest
                 case "habits": return Habits.Print();
                 case "first": return FirstScripts.Play(words[1]);
                 case "keys": return Keys.Print();
+                case "clock": return MLAgentsWorlds.Worlds.Run(words.Skip(1).ToArray());
                 case "areas": return ManyAreas.Run(int.Parse(words[1], CultureInfo.InvariantCulture), words[2]);
                 case "quiet": return Quiet.Run(words[1]);
                 case "cameras": return Cameras.Run();

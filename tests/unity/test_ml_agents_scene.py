@@ -1,0 +1,189 @@
+"""Sensors, masks, actions and habits of public agents, by the scene's clock.
+
+Expectations are derived from ML-Agents 3.0.0's source: VectorSensor, StackingSensor, SensorUtils, the action mask; what
+is of 2020 from Agent.deprecated.cs of 2.0.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from functools import partial
+
+import pytest
+
+np = pytest.importorskip("numpy", reason="ML-Agents' shape needs numpy: pip install numpy")
+from tests.programs import Program  # noqa: E402
+from tests.unity.scene_worlds import BALL, World, alone  # noqa: E402
+
+Worlds = Callable[..., World]
+
+
+@pytest.fixture
+def world(play: Callable[..., Program]) -> Worlds:
+    return partial(World, play)
+
+
+def seen(run: World, at: int = 0) -> list[list[float]]:
+    """Of those that have ended, then of those that want an action."""
+    decisions, ended = run.env.get_steps(BALL)
+    return [*ended.obs[at].tolist(), *decisions.obs[at].tolist()]
+
+
+@pytest.mark.parametrize(("size", "added", "row"), [(2, 3, [1, 1]), (3, 1, [1, 0, 0]), (2, 2, [1, 1])])
+def test_too_many_numbers_are_cut_and_too_few_padded_and_both_warned_of(size, added, row, world):
+    run = world(f"A period=1 size={size} see={added}")
+    run.reset()
+    assert seen(run) == [row]
+    run.told()
+    warned = re.findall(rf"^VectorSensor_size{size}\b.*\b{added}\b", run.program.output, re.MULTILINE)
+    assert bool(warned) == (size != added), run.program.output
+
+
+def test_without_numbers_there_is_no_vector_sensor_and_collectobservations_gets_null(world):
+    run = world("A period=1 size=0 numbers=1")
+    run.reset()
+    assert run.env.behavior_specs[BALL].observation_specs == []
+    run.step(3)
+    lines = run.told()
+    assert lines[lines.index("step 0") + 1] == "A see nothing" and "A act 3" in lines
+
+
+def test_stacked_vectors_are_one_sensor_with_the_oldest_first_and_zeros_after_an_end(world):
+    run = world("A period=1 stack=3", "A act 3: end")
+    run.reset()
+    (spec,) = run.env.behavior_specs[BALL].observation_specs
+    assert (spec.name, spec.shape) == ("StackingSensor_size3_VectorSensor_size1", (3,))
+    rows = [*seen(run)]
+    for _ in range(3):
+        run.step()
+        rows += seen(run)
+    assert rows == [[0, 0, 1], [0, 1, 2], [1, 2, 3], [2, 3, 4], [0, 0, 5]]
+    run.told()
+
+
+def test_sensors_are_in_the_order_of_their_names(world):
+    """By the invariant culture, in which cases come together; children's too, and not of those that are inactive."""
+    run = world("A period=1 sensors=Zoo+b+a+-off")
+    run.reset()
+    names = [spec.name for spec in run.env.behavior_specs[BALL].observation_specs]
+    assert names == ["a", "b", "VectorSensor_size1", "Zoo"]
+    assert seen(run, names.index("VectorSensor_size1")) == [[1]]
+    run.told()
+
+
+def test_childrens_sensors_are_left_out_where_the_inspector_says_so(world):
+    run = world("A period=1 sensors=b children=no")
+    run.reset()
+    assert [spec.name for spec in run.env.behavior_specs[BALL].observation_specs] == ["VectorSensor_size1"]
+    run.told()
+
+
+def test_two_sensors_of_one_name_are_named_in_a_line(world):
+    run = world("A period=1 sensors=Zoo+Zoo")
+    run.reset()
+    run.told()
+    assert any("Zoo" in line for line in run.program.lines), run.program.output
+
+
+def test_actions_reach_the_agent_as_python_sent_them(world):
+    """There are no limits."""
+    run = world("A period=1 numbers=2 branches=3x2")
+    run.reset()
+    run.step(1000000, -7.25, choices=(2, 1))
+    assert "A act 1000000 -7.25 #2 #1" in run.told()
+
+
+def test_a_mask_is_of_the_next_decision_alone_and_not_applied_to_what_python_sends(world):
+    run = world("A period=1 branches=3x2", "B period=1 branches=3x2", "A mask 1: forbid 0 1, forbid-all 1 0")
+    run.reset()
+
+    def masks() -> list[list[list[bool]]]:
+        return [one.tolist() for one in run.env.get_steps(BALL)[0].action_mask]
+
+    nothing = [False, False, False]
+    assert masks() == [[[False, True, False], nothing], [[True, False], [False, False]]]
+    run.step(choices=(1, 0))
+    assert masks() == [[nothing, nothing], [[False, False], [False, False]]]
+    assert "A act #1 #0" in run.told()
+
+
+def test_a_branch_without_a_choice_throws(world):
+    """The next step asks again: what was asked for is still there."""
+    run = world("A period=5 branches=2x2", "A mask 1: forbid 1 0, forbid 1 1")
+    assert run.reset() == [("wants", 0, 0, 2)]
+    run.told()
+    assert "UnityAgentsException" in run.program.output and "branch 1" in run.program.output
+
+
+def test_an_observation_that_is_no_number_throws_with_the_name_of_the_method(world):
+    run = world("A period=1 size=1 see=0", "A see 1: observe NaN, observe 2")
+    run.reset()
+    assert seen(run) == [[2]]
+    (thrown,) = [line for line in run.told() if "threw" in line]
+    assert "Add" in thrown and "Obs" in thrown
+
+
+def test_teams_are_behaviors_of_their_own(world):
+    run = world("A period=1 team=1", "B period=1", "C period=1 behavior=Cube size=2")
+    run.reset()
+    assert [*run.env.behavior_specs] == ["Ball?team=1", "Ball?team=0", "Cube?team=0"]
+    assert [run.rows(name)[0].id for name in run.env.behavior_specs] == [0, 1, 2]
+    run.told()
+
+
+def test_a_behavior_that_comes_later_is_told_with_its_first_row(world):
+    run = world("A period=1", "B period=1 behavior=Cube late", "A physics 2: make B")
+    run.reset()
+    run.step()
+    assert [*run.env.behavior_specs] == [BALL]
+    run.step()
+    assert [*run.env.behavior_specs] == [BALL, "Cube?team=0"]
+    assert run.rows("Cube?team=0") == [("wants", 1, 0, 1)]
+    run.told()
+
+
+@pytest.mark.parametrize(
+    ("spec", "action", "act"),
+    [("numbers=2", {"numbers": (7.5, -8)}, "7.5 -8"), ("branches=3x2", {"choices": (2, 1)}, "2 1")],
+)
+def test_methods_of_2020_get_floats(spec, action, act, world):
+    run = world(f"A class=Old period=1 {spec}")
+    run.reset()
+    run.step(*action.get("numbers", ()), choices=action.get("choices", ()))
+    assert f"A act {act}" in run.told()
+
+
+@pytest.mark.parametrize(("spec", "act"), [("numbers=2", "A act 1 2"), ("branches=3x3", "A act 1 2")])
+def test_a_heuristic_of_2020_gives_floats(spec, act, play):
+    lines, _ = alone(play, f"A class=Old period=2 {spec}", "steps=2")
+    assert [line for line in lines if "decide" in line or "act" in line] == ["A decide 0 0", act, act]
+
+
+def test_a_heuristic_that_is_not_written_warns(play):
+    lines, output = alone(play, "A class=Bare period=1 numbers=1", "steps=2")
+    assert "A act" in lines and "Heuristic" in output
+
+
+def test_messages_of_an_agents_own_hide_nothing(world):
+    """Agent has none but virtual Awake, OnEnable and OnDisable, and nothing depends on Awake."""
+    run = world("A class=Messages period=1 solid=yes", "B period=1 solid=yes")
+    run.reset()
+    run.step()
+    lines = run.told()
+    own = [line for line in lines if line.startswith("A ")]
+    assert own[:3] == ["A Awake", "A init", "A Start"]
+    assert {"A FixedUpdate", "A Update", "A OnTriggerEnter", "A act", "A OnDestroy"} <= {*own}
+    assert lines.index("A Start") < lines.index("reset")
+
+
+def test_an_onenable_that_hides_the_bases_is_named(world):
+    run = world("A class=Hides period=1", "B period=1 behavior=Other")
+    run.env.reset()
+    run.told()
+    assert "Hides.OnEnable" in run.program.output
+
+
+def test_names_of_types_stay_unitys_in_an_agent(play):
+    lines, _ = alone(play, "A class=Names period=1 numbers=1", "steps=1")
+    assert "A World False 0 True 1 0 A state group" in lines
