@@ -29,6 +29,8 @@ namespace NetMQExample.MLAgents.Policies
         [SerializeField, Tooltip("Which members with [Observable] it sees")]
         private ObservableAttributeOptions m_ObservableAttributeHandling;
 
+        private bool said;
+
         /// <summary>Something has changed by which the agent chooses who decides.</summary>
         internal event Action Changed;
 
@@ -82,7 +84,7 @@ namespace NetMQExample.MLAgents.Policies
 
         private void Check()
         {
-            if (IsInHeuristicMode() && m_BehaviorType != BehaviorType.HeuristicOnly
+            if (!said && IsInHeuristicMode() && m_BehaviorType != BehaviorType.HeuristicOnly
                 && (m_Model != null || m_BehaviorType == BehaviorType.InferenceOnly))
                 Debug.LogWarning($"{name}: a model does not run here, and its Heuristic decides. Let Python decide: "
                     + "Behavior Type Default, and mlagents_learn with --resume --inference before you press Play");
