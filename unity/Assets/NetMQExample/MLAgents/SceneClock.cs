@@ -95,9 +95,12 @@ namespace NetMQExample.MLAgents
             if (said.TryGetValue("num_areas", out var areas) && areas is long count) Areas = (int)count;
         }
 
-        private SceneKind Asked(RequestSection section) =>
-            asked.Find(kind => kind.Number == section.Kind) ?? throw new MessageException("bad-actions",
-                $"actions for kind {section.Kind}, of which nobody wanted one");
+        private SceneKind Asked(RequestSection section)
+        {
+            foreach (var kind in asked)
+                if (kind.Number == section.Kind) return kind;
+            throw new MessageException("bad-actions", $"actions for kind {section.Kind}, of which nobody wanted one");
+        }
 
         private void Tell(StepAnswer answer)
         {
