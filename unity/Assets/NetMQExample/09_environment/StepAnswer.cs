@@ -66,7 +66,8 @@ namespace NetMQExample
 
         internal void BeginSection(int kind, int rows, Columns columns)
         {
-            to = (columns & Columns.Ended) != 0 ? ended : now;
+            // By Python's clock they come last, since an answer begins with those that were asked.
+            to = (columns & Columns.Ended) != 0 && !SceneClock ? ended : now;
             sections++;
             head = to.Reserve(24);
             BitConverter.TryWriteBytes(to.At(head), (ushort)kind);

@@ -113,8 +113,9 @@ namespace NetMQExample.MLAgents
                 });
             known = kinds.Count;
             asked.Clear();
+            foreach (var kind in kinds) kind.WriteEnded(answer);
             foreach (var kind in kinds)
-                if (kind.Write(answer)) asked.Add(kind);
+                if (kind.WriteWanting(answer)) asked.Add(kind);
             HasRows = false;
         }
     }

@@ -59,11 +59,13 @@ namespace NetMQExample.MLAgents
         public void End(AgentLife agent, bool interrupted) =>
             ended.Add(agent, interrupted ? Marks.Truncated : Marks.Terminated, rowBytes);
 
-        /// <summary>Writes its rows, which are no more then.</summary>
-        /// <returns>Whether anybody wants an action.</returns>
-        public bool Write(StepAnswer answer)
+        /// <summary>Writes the rows of those that have ended, which are no more then.</summary>
+        public void WriteEnded(StepAnswer answer) => ended.Write(answer, Number);
+
+        /// <summary>The same for those that want an action.</summary>
+        /// <returns>Whether anybody does.</returns>
+        public bool WriteWanting(StepAnswer answer)
         {
-            ended.Write(answer, Number);
             wanting.Write(answer, Number);
             var before = asked;
             asked = next;
