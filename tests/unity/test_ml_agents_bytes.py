@@ -30,7 +30,7 @@ def test_csharp_writes_and_reads_the_golden_bytes(harness):
     cut = [frame[:end] for frame in ASKS for end in range(2, len(frame), 2)]
     lines = [*ASKS, *WRONG, *cut]
     done = subprocess.run(
-        ["dotnet", harness, "clock"], input="\n".join(lines), capture_output=True, text=True, timeout=LIMIT
+        ["dotnet", harness, "frames"], input="\n".join(lines), capture_output=True, text=True, timeout=LIMIT
     )
     assert done.returncode == 0, done.stderr
     answers = [frame for frame in GOLDEN.values() if frame.startswith("04")]

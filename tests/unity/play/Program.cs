@@ -8,7 +8,7 @@
 //     … play.dll flood 1 tcp://127.0.0.1:5551 150        a Play in which each line of the log costs 0.3 ms
 //     … play.dll wrong 4 tries 0 …                       Plays of ten frames, each with a field that is wrong
 //     … play.dll drive fail=20 count=50 …                lesson 08 with what may happen to it; see Drives.cs
-//     … play.dll clock                                  the scene's clock in bytes; see ClockFrames.cs
+//     … play.dll frames                                 the scene's clock in bytes; see ClockFrames.cs
 //     … play.dll rays                                   what rays meet; see Rays.cs
 //     … play.dll touches                                what bodies do and touch; see Touches.cs
 //     … play.dll mlsensors                              what ML-Agents' sensors write; see MlSensors.cs
@@ -60,7 +60,7 @@ namespace NetMQExample.PlayTest
                 case "areas": return ManyAreas.Run(int.Parse(words[1], CultureInfo.InvariantCulture), words[2]);
                 case "quiet": return Quiet.Run(words[1]);
                 case "cameras": return Cameras.Run();
-                case "clock": return ClockFrames.Print();
+                case "frames": return ClockFrames.Print();
                 case "rays": return Rays.Run();
                 case "touches": return Touches.Run();
                 case "mlsensors": return MlTest.MlSensors.Run();
