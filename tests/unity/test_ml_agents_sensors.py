@@ -110,8 +110,6 @@ a model:
 ant: a model does not run here, and its Heuristic decides. Let Python decide: Behavior Type Default, and \
 mlagents_learn with --resume --inference before you press Play
 4
-ant: a model does not run here, and its Heuristic decides. Let Python decide: Behavior Type Default, and \
-mlagents_learn with --resume --inference before you press Play
 ant: demonstrations are not recorded here: record them with Unity's package ML-Agents in another copy of the project, \
 and give mlagents_learn their .demo files
 """.strip().split("\n")

@@ -86,8 +86,11 @@ namespace NetMQExample.MLAgents.Policies
         {
             if (!said && IsInHeuristicMode() && m_BehaviorType != BehaviorType.HeuristicOnly
                 && (m_Model != null || m_BehaviorType == BehaviorType.InferenceOnly))
+            {
+                said = true;
                 Debug.LogWarning($"{name}: a model does not run here, and its Heuristic decides. Let Python decide: "
                     + "Behavior Type Default, and mlagents_learn with --resume --inference before you press Play");
+            }
         }
     }
 }
