@@ -211,7 +211,8 @@ if __name__ == "__main__":
 class Trainings:
     def __init__(self, folder):
         self.folder = folder
-        self.environment = {**os.environ, "PYTHONPATH": str(ROOT / "python")}
+        # Also for the scenes, which are processes of their own.
+        self.environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT / "python"), str(ROOT)])}
 
     def config(self, behavior="Pole", trainer="ppo", more=PPO, steps=3000, each=1000, add=""):
         text = CONFIG.format(behavior=behavior, trainer=trainer, more=more, steps=steps, each=each) + add
@@ -417,3 +418,182 @@ def test_a_script_that_starts_lesson_09_in_csharp(training, console):
     script.chmod(0o755)
     training.config("CartPole", steps=1000, each=500)
     assert SUMMARY.findall(training.run("--env=./game.sh", "--run-id=a"))
+
+
+# Two steer; whoever is higher in the tenth step has won.
+DUEL = """
+import sys
+from netmq_example.scene import EnvironmentClient
+from tests.lessons.scene_clock import Arena, ArenaSimulator, Walker
+
+class Duel(Arena):
+    def tick(self):
+        scores = {one.team: one.action[0][0] for one in self.walkers}
+        super().tick()
+        for one in self.walkers:
+            one.earned = 0.0
+        for row in self.ended:
+            row.earned = 1.0 if scores[row.walker.team] > scores[1 - row.walker.team] else -1.0
+
+arena = Duel(*(Walker("Duel", team=team, length=10) for team in (0, 1)))
+EnvironmentClient(sys.argv[sys.argv.index("--endpoint") + 1], timeout=60).run(ArenaSimulator(arena))
+"""
+SELF_PLAY = """
+    self_play: {save_steps: 500, team_change: 1000, swap_steps: 300, window: 5, initial_elo: 1200.0}
+"""
+# A group of three earns what they steer together.
+GROUP = """
+import sys
+from netmq_example.scene import EnvironmentClient
+from tests.lessons.scene_clock import Arena, ArenaSimulator, Walker
+
+class Team(Arena):
+    def tick(self):
+        together = sum(one.action[0][0] for one in self.walkers)
+        super().tick()
+        for one in self.walkers:
+            one.earned, one.group_reward = 0.0, together
+        for row in self.ended:
+            row.earned = 0.0
+
+arena = Team(*(Walker("Team", length=10, group=1) for _ in range(3)))
+EnvironmentClient(sys.argv[sys.argv.index("--endpoint") + 1], timeout=60).run(ArenaSimulator(arena))
+"""
+
+
+@trains
+def test_two_teams_play_against_each_other(training):
+    (training.folder / "scene.py").write_text(DUEL, encoding="utf-8")
+    training.config("Duel", steps=4000, more="batch_size: 64, buffer_size: 512", add=SELF_PLAY)
+    ratings = re.findall(r"ELO: (\S+)\.$", training.run("--env=scene.py", "--run-id=a"), re.MULTILINE)
+    assert len(ratings) == 4 and len({*ratings}) > 1
+
+
+@trains
+def test_a_group_learns_together(training):
+    (training.folder / "scene.py").write_text(GROUP, encoding="utf-8")
+    training.config("Team", "poca", steps=6000, each=2000, more="batch_size: 64, buffer_size: 512")
+    printed = training.run("--env=scene.py", "--run-id=a")
+    first, *_, last = map(float, re.findall(r"Mean Group Reward: (\S+)\. ", printed))
+    assert last > first + 5
+
+
+# As ML-Agents' recorder writes it: fifty steps, in which the pole is pushed to where it falls.
+DEMONSTRATION = """
+from netmq_example.mlagents_learn import take_place
+
+take_place()
+from mlagents.trainers.demo_loader import write_demo
+from mlagents_envs.communicator_objects.agent_info_action_pair_pb2 import AgentInfoActionPairProto
+from mlagents_envs.communicator_objects.brain_parameters_pb2 import BrainParametersProto
+from mlagents_envs.communicator_objects.demonstration_meta_pb2 import DemonstrationMetaProto
+
+brain = BrainParametersProto(brain_name="Pole", is_training=True)
+brain.action_spec.num_discrete_actions = 1
+brain.action_spec.discrete_branch_sizes.append(2)
+pairs = []
+for step in range(50):
+    pair = AgentInfoActionPairProto()
+    seen = pair.agent_info.observations.add(shape=[4], dimension_properties=[1])
+    angle = (step % 5 - 2) / 20
+    seen.float_data.data.extend([0.0, 0.0, angle, 0.0])
+    pair.agent_info.reward = 1.0
+    pair.agent_info.done = step % 10 == 9
+    pair.action_info.discrete_actions.append(angle > 0)
+    pairs.append(pair)
+meta = DemonstrationMetaProto(api_version=1, number_steps=50, number_episodes=5, mean_reward=10, demonstration_name="a")
+write_demo("pole.demo", meta, brain, pairs)
+"""
+IMITATION = """
+    reward_signals:
+      extrinsic: {gamma: 0.99, strength: 1.0}
+      gail: {strength: 0.1, demo_path: pole.demo}
+      curiosity: {strength: 0.01}
+      rnd: {strength: 0.01}
+    behavioral_cloning: {demo_path: pole.demo, strength: 0.5}
+"""
+
+
+@trains
+def test_demonstrations_are_read(training):
+    """By ML-Agents' own protobuf, which the kit leaves in its place."""
+    (training.folder / "demonstration.py").write_text(DEMONSTRATION, encoding="utf-8")
+    done = finished([sys.executable, "demonstration.py"], env=training.environment, cwd=training.folder)
+    assert done.returncode == 0, done.stderr
+    training.config(add=IMITATION)
+    assert len(SUMMARY.findall(training.run(f"--env={POLES}", "--run-id=a"))) == 3
+
+
+DRONE = """
+using NetMQExample.MLAgents;
+using NetMQExample.MLAgents.Actuators;
+using NetMQExample.MLAgents.Sensors;
+using UnityEngine;
+
+public class Drone : Agent
+{
+    private float height, speed, wind;
+
+    public override void OnEpisodeBegin()
+    {
+        height = Random.Range(-2f, 2f);
+        wind = Random.Range(-0.5f, 0.5f);
+        speed = 0;
+    }
+
+    public override void CollectObservations(VectorSensor sensor)
+    {
+        sensor.AddObservation(height);
+        sensor.AddObservation(speed);
+        sensor.AddObservation(wind);
+    }
+
+    public override void OnActionReceived(ActionBuffers actions)
+    {
+        speed += (8 * Mathf.Clamp(actions.ContinuousActions[0], -1f, 1f) + 2 * wind) * 0.02f;
+        height += speed * 0.02f;
+        AddReward(1 - Mathf.Min(1f, Mathf.Abs(height)));
+        if (Mathf.Abs(height) > 5) EndEpisode();
+    }
+}
+"""
+DRONES = """
+using NetMQExample.MLAgents;
+using NetMQExample.MLAgents.Actuators;
+using NetMQExample.MLAgents.Policies;
+using UnityEngine;
+
+public sealed class Drones : MonoBehaviour
+{
+    private void Awake()
+    {
+        for (var i = 0; i < 8; i++)
+        {
+            var drone = new GameObject($"drone {i}");
+            drone.SetActive(false);
+            var parameters = drone.AddComponent<BehaviorParameters>();
+            parameters.BehaviorName = "Drone";
+            parameters.BrainParameters.VectorObservationSize = 3;
+            parameters.BrainParameters.ActionSpec = ActionSpec.MakeContinuous(1);
+            drone.AddComponent<Drone>().MaxStep = 200;
+            drone.AddComponent<DecisionRequester>().DecisionPeriod = 1;
+            drone.SetActive(true);
+        }
+    }
+}
+"""
+
+
+@trains
+@pytest.mark.skipif(sys.platform == "win32", reason="a script of a shell")
+def test_agents_of_ml_agents_shape_in_csharp_learn(training, netmq):
+    folder = training.folder
+    (folder / "Drone.cs").write_text(DRONE, encoding="utf-8")
+    (folder / "Drones.cs").write_text(DRONES, encoding="utf-8")
+    play = f'"{sys.executable}" "{ROOT / "kit.py"}" play "{folder}/Drones.cs" "{folder}/Drone.cs" "$@"'
+    (folder / "game.sh").write_text(f"#!/bin/sh\nexec {play}\n", encoding="utf-8")
+    (folder / "game.sh").chmod(0o755)
+    training.config("Drone", steps=24_000, each=8000)
+    printed = training.run("--env=./game.sh", "--run-id=a", "--timeout-wait=180")
+    means = [float(mean) for _, mean in SUMMARY.findall(printed)]
+    assert len(means) == 3 and means[2] > 2 * means[0], means
