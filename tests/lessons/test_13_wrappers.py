@@ -328,6 +328,7 @@ def test_pettingzoo_actions_of_each_kind(zoo):
     assert rewards[agent] == 2.75
     with pytest.raises(UnityActionException, match="takes Tuple"):
         env.step({agent: ([0.25, 0.5], [0, 3])})
+    assert isinstance(env.side_channel["StatsSideChannel"], StatsSideChannel)
 
 
 def test_pettingzoo_that_is_missing_is_a_line(monkeypatch):
