@@ -8,6 +8,7 @@ namespace UnityEngine
 {
     public sealed class GameObject : Object
     {
+        private readonly List<Type> coming = new List<Type>();
         private bool active = true;
         public GameObject() : this("New Game Object") { }
         public GameObject(string name) : this(name, true) { }
@@ -79,8 +80,12 @@ namespace UnityEngine
                 Debug.LogError($"Can't add component '{componentType.Name}' to {name}: it allows no second one");
                 return null;
             }
+            // What is needed may need this one, or a base class of it.
+            coming.Add(componentType);
             foreach (var need in componentType.GetCustomAttributes<RequireComponent>())
-                if (GetComponent(need.m_Type0) == null) AddComponent(need.m_Type0);
+                if (GetComponent(need.m_Type0) == null && !coming.Any(need.m_Type0.IsAssignableFrom))
+                    AddComponent(need.m_Type0);
+            coming.Remove(componentType);
             var component = (Component)Activator.CreateInstance(componentType);
             component.Owner = this;
             Components.Add(component);

@@ -106,10 +106,19 @@ namespace NetMQExample.MLAgents
         /// <summary>The actions that it acts by now.</summary>
         public ActionBuffers GetStoredActionBuffers() => Life.Stored;
 
-        /// <summary>Changes its behavior; a model is kept and not run.</summary>
+        /// <summary>Changes its behavior, by which its episode is over; a model is kept and not run.</summary>
         public void SetModel(
-            string behaviorName, UnityEngine.Object model, InferenceDevice inferenceDevice = InferenceDevice.Default) =>
-            Life.SetModel(behaviorName, model, inferenceDevice);
+            string behaviorName, UnityEngine.Object model, InferenceDevice inferenceDevice = InferenceDevice.Default)
+        {
+            var settings = Life.Parameters;
+            var same = behaviorName == settings.BehaviorName && model == settings.Model
+                && inferenceDevice == settings.InferenceDevice;
+            if (same) return;
+            Life.Finish(false, true);
+            settings.Model = model;
+            settings.InferenceDevice = inferenceDevice;
+            settings.BehaviorName = behaviorName;
+        }
 
         /// <summary>Makes it ready, unless it is: OnEnable does that.</summary>
         public void LazyInitialize() => Life.Begin();

@@ -5,7 +5,6 @@
 using System;
 using System.Collections.Generic;
 using NetMQExample.MLAgents.Actuators;
-using NetMQExample.MLAgents.Inference;
 using NetMQExample.MLAgents.Policies;
 using NetMQExample.MLAgents.Sensors;
 using UnityEngine;
@@ -18,9 +17,12 @@ namespace NetMQExample.MLAgents
         // Where the sensors write for nobody, so that stacked ones go on.
         private static readonly FrameBuffer Nobody = new FrameBuffer();
 
+        // Those of CollectObservations, or null.
+        public VectorSensor Vector;
+        public StackingSensor Stacked;
         private readonly Agent agent;
         private SceneKind kind;
-        private bool lives, ended, requestsDecision, requestsAction, decides, left;
+        private bool lives, ended, requestsDecision, requestsAction, decides;
         // The name of its own method that is running and in which no episode may end, or null.
         private string within;
 
@@ -52,10 +54,6 @@ namespace NetMQExample.MLAgents
 
         public List<ISensor> Sensors { get; private set; } = new List<ISensor>();
 
-        public VectorSensor Vector { get; private set; }
-
-        public StackingSensor Stacked { get; private set; }
-
         public DiscreteActionMask Mask { get; private set; }
 
         /// <summary>What it acts by; and what was decided last, by Python or by its Heuristic.</summary>
@@ -84,7 +82,7 @@ namespace NetMQExample.MLAgents
         {
             if (lives) return;
             lives = true;
-            left = ended = false;
+            ended = false;
             var academy = Academy.Instance;
             Parameters = agent.GetComponent<BehaviorParameters>();
             Parameters.Changed += ReloadPolicy;
@@ -96,9 +94,7 @@ namespace NetMQExample.MLAgents
             AgentOfOld.LookForHidden(agent);
             ReloadPolicy();
             agent.Initialize();
-            Sensors = SensorList.Of(agent, Parameters, out var vector, out var stacked);
-            Vector = vector;
-            Stacked = stacked;
+            Sensors = SensorList.Of(agent, Parameters, out Vector, out Stacked);
             // Until the first step nobody begins: that is for when all are there.
             if (academy.TotalStepCount > 0) BeginEpisode();
         }
@@ -128,11 +124,8 @@ namespace NetMQExample.MLAgents
         {
             requestsAction = true;
             requestsDecision |= decision;
-            if (!lives && !left && agent.isActiveAndEnabled)
-            {
-                left = true;
-                AgentOfOld.LookForHidden(agent);
-            }
+            // One that never came has an OnEnable of its own.
+            if (!lives && agent.isActiveAndEnabled) AgentOfOld.LookForHidden(agent);
         }
 
         public void Earn(float reward, bool replaces)
@@ -149,17 +142,6 @@ namespace NetMQExample.MLAgents
                     + "OnActionReceived, or where the scene finds the end");
             Finish(interrupted, false);
             BeginAnew();
-        }
-
-        public void SetModel(string behaviorName, UnityEngine.Object model, InferenceDevice device)
-        {
-            var same = behaviorName == Parameters.BehaviorName && model == Parameters.Model
-                && device == Parameters.InferenceDevice;
-            if (same) return;
-            Finish(false, true);
-            Parameters.Model = model;
-            Parameters.InferenceDevice = device;
-            Parameters.BehaviorName = behaviorName;
         }
 
         public void BeginAnew()
@@ -182,9 +164,7 @@ namespace NetMQExample.MLAgents
             ended = false;
             RowReward = Reward;
             RowGroupReward = GroupReward;
-            if (IsPythons) Kind().Want(this);
-            else Pass();
-            Row(true);
+            Tell(true, false);
             Reward = GroupReward = 0;
             requestsDecision = false;
         }
@@ -198,8 +178,8 @@ namespace NetMQExample.MLAgents
                 if (Spec.NumContinuousActions + Spec.NumDiscreteActions > 0) agent.Heuristic(Decided);
             }
             decides = false;
-            Copy(Decided.ContinuousActions, Stored.ContinuousActions);
-            Copy(Decided.DiscreteActions, Stored.DiscreteActions);
+            Array.Copy(Decided.ContinuousActions.Array, Stored.ContinuousActions.Array, Spec.NumContinuousActions);
+            Array.Copy(Decided.DiscreteActions.Array, Stored.DiscreteActions.Array, Spec.NumDiscreteActions);
         }
 
         public void Act()
@@ -216,7 +196,7 @@ namespace NetMQExample.MLAgents
         }
 
         // The last row of an episode; a second end before the next decision has none.
-        private void Finish(bool interrupted, bool leaves)
+        public void Finish(bool interrupted, bool leaves)
         {
             if (ended) return;
             ended = true;
@@ -224,9 +204,7 @@ namespace NetMQExample.MLAgents
             RowReward = Reward;
             RowGroupReward = GroupReward;
             Collect();
-            if (IsPythons) Kind().End(this, interrupted);
-            else Pass();
-            Row(false);
+            Tell(false, interrupted);
             foreach (var sensor in Sensors) sensor.Reset();
             if (!leaves) CompletedEpisodes++;
             Reward = GroupReward = CumulativeReward = 0;
@@ -248,35 +226,32 @@ namespace NetMQExample.MLAgents
             finally { within = null; }
         }
 
-        private SceneKind Kind() => kind ??= Academy.Instance.Clock.KindOf(this);
-
-        // What was decided before a row counts no more; a heuristic's stays until its next decision.
-        private void Row(bool wants)
+        // What was decided before a row counts no more for Python's agents; a heuristic's stays until its next decision.
+        private void Tell(bool wants, bool interrupted)
         {
+            var clock = Academy.Instance.Clock;
             decides = wants;
-            if (!IsPythons) return;
-            Decided.Clear();
-            Academy.Instance.Clock.HasRows = true;
-        }
-
-        private void Pass()
-        {
-            Nobody.Clear();
-            foreach (var sensor in Sensors)
+            if (!IsPythons || clock == null)
+            {
+                Nobody.Clear();
                 // A picture that nobody sees costs too much.
-                if (!SensorRows.IsPicture(sensor)) SensorRows.Write(sensor, Nobody);
+                foreach (var sensor in Sensors)
+                    if (!SensorRows.IsPicture(sensor)) SensorRows.Write(sensor, Nobody);
+                return;
+            }
+            kind ??= clock.KindOf(this);
+            if (wants) kind.Want(this);
+            else kind.End(this, interrupted);
+            clock.HasRows = true;
+            Decided.Clear();
         }
 
         private void ReloadPolicy()
         {
-            if (!lives) return;
             IsPythons = Parameters.BehaviorType == BehaviorType.Default && Academy.Instance.IsCommunicatorOn;
             Behavior = Parameters.FullyQualifiedBehaviorName;
             kind = null;
             Decided.Clear();
         }
-
-        private static void Copy<T>(ActionSegment<T> from, ActionSegment<T> to) where T : struct =>
-            Array.Copy(from.Array, to.Array, to.Length);
     }
 }
