@@ -1,4 +1,4 @@
-"""What UnityAECEnv and UnityParallelEnv share, as in mlagents_envs.envs.unity_pettingzoo_base_env.
+"""The common half of UnityAECEnv and UnityParallelEnv, as in mlagents_envs.envs.unity_pettingzoo_base_env.
 
 Its agents are those that wanted an action or have ended in the last step, each `Behavior?team=0?agent_id=3`. An agent
 that has ended and began anew in the same step is shown at its end first, and wants an action again after the next step.
