@@ -76,12 +76,9 @@ def check_age(root: Path, lesson: str | None, files: dict[str, bytes]) -> None:
         return
     reason, cure = "NetMQ needs 2021.2 or later (.NET Standard 2.1), all lessons 2022.3", ""
     if age >= (2021, 2):
-        which = (
-            f"{'' if lesson == ML_AGENTS else 'lesson '}{lesson} steps physics, which"
-            if lesson
-            else "the whole package"
-        )
-        reason = f"{which} needs 2022.3 or later"
+        of_no_lesson = {None: "the whole package", ML_AGENTS: "ML-Agents' shape"}
+        reason = f"{of_no_lesson.get(lesson, f'lesson {lesson} steps physics, which')} needs 2022.3 or later"
+    if age >= (2021, 2) and lesson != ML_AGENTS:
         able = [str(one.number) for one in lessons() if not steps_physics(scripts(str(one.number)))]
         cure = f"--lesson takes {', '.join(able[:-1])} or {able[-1]} here; for the others "
     cure += "open a copy of the project with a newer editor in Unity Hub"

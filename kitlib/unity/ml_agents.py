@@ -181,6 +181,10 @@ def yaml(text: str, ours: dict[str, str]) -> Found:
         edits.append(Edit(found.start(), found[0], ours[found[0]]))
     for name, places in lacking.items():
         notes.append(Note(places[0], f"{times(len(places))}{name}, which the kit lacks: it becomes a missing script"))
+    for name, what in FACTS["stubs"].items():
+        if components[name]:
+            place = next(edit.at for edit in edits if FACTS["scripts"][edit.old] == name)
+            notes.append(Note(place, f"{times(components[name])}{name}, which {what}"))
     for found in NAMED.finditer(text):
         rest = next(part for part in found.groups() if part is not None)
         if found["space"] is None and rest.rpartition(".")[2] not in spaces():
@@ -195,8 +199,6 @@ def yaml(text: str, ours: dict[str, str]) -> Found:
         for pattern, what in WAS_PLAYED.items():
             if places := [one.start() for one in re.finditer(pattern, text, re.MULTILINE)]:
                 notes.append(Note(places[0], f"{times(len(places))}{what}"))
-    if components["DemonstrationRecorder"]:
-        notes.append(Note(0, "a DemonstrationRecorder is found again and records nothing"))
     return Found(edits, notes, components)
 
 

@@ -156,6 +156,14 @@ def test_components_are_found_again_with_all_that_was_set(move, project):
     assert scene == SCENE.replace(THEIRS["BehaviorParameters"], OURS["BehaviorParameters"])
 
 
+def test_components_that_do_nothing_are_found_again_and_named(move, project):
+    both = component("GridSensorComponent") + component("DemonstrationRecorder") * 2
+    put(project, {"Assets/Stubs.prefab": f"%YAML 1.1\n{both}"})
+    said = move()
+    assert "Assets/Stubs.prefab:5: GridSensorComponent, which is found again and does not see" in said
+    assert "Assets/Stubs.prefab:10: 2 times DemonstrationRecorder, which is found again and records nothing" in said
+
+
 def test_unity_6_names_the_class_too(move, project):
     put(project, {"Assets/Six.prefab": "%YAML 1.1\n" + component("BehaviorParameters", UNITY_6)})
     text = changed(move, project, "Assets/Six.prefab")
@@ -397,10 +405,17 @@ def test_a_project_without_ml_agents_stays_as_it_is(move, project):
     assert listing(project) == before
 
 
-def test_an_older_unity_is_refused_and_nothing_is_changed(move, project):
-    put(project, {"ProjectSettings/ProjectVersion.txt": "m_EditorVersion: 2019.4.1f1\n"})
+@pytest.mark.parametrize(
+    ("version", "why"),
+    [
+        ("2019.4", r"NetMQ needs 2021\.2"),
+        ("2021.3", "ML-Agents' shape needs 2022.3 or later: nothing was copied; open a copy"),
+    ],
+)
+def test_an_older_unity_is_refused_and_nothing_is_changed(version, why, move, project):
+    put(project, {"ProjectSettings/ProjectVersion.txt": f"m_EditorVersion: {version}.1f1\n"})
     before = listing(project)
-    with pytest.raises(KitError, match=r"^this project is for Unity 2019\.4"):
+    with pytest.raises(KitError, match=f"^this project is for Unity {version}; {why}"):
         move()
     assert listing(project) == before
 
