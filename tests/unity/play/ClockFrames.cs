@@ -38,8 +38,11 @@ namespace NetMQExample.PlayTest
 
         private static string Read(StepRequest request, string digits)
         {
-            try { request.Read(Enumerable.Range(0, digits.Length / 2)
-                .Select(i => Convert.ToByte(digits.Substring(2 * i, 2), 16)).ToArray()); }
+            try
+            {
+                request.Read(Enumerable.Range(0, digits.Length / 2)
+                .Select(i => Convert.ToByte(digits.Substring(2 * i, 2), 16)).ToArray());
+            }
             catch (MessageException e) { return e.Code; }
             var rows = Enumerable.Range(0, request.Count).Select(i => request[i]).SelectMany(section =>
                 Enumerable.Range(0, section.Count).Select(row =>
@@ -97,15 +100,21 @@ namespace NetMQExample.PlayTest
         private static object Kind(string name, long team, long continuous, long[] branches, params object[] sensors) =>
             new Dictionary<string, object>
             {
-                ["name"] = name, ["team"] = team, ["continuous"] = continuous,
-                ["branches"] = branches.Select(one => (object)one).ToList(), ["sensors"] = sensors.ToList(),
+                ["name"] = name,
+                ["team"] = team,
+                ["continuous"] = continuous,
+                ["branches"] = branches.Select(one => (object)one).ToList(),
+                ["sensors"] = sensors.ToList(),
             };
 
         private static object Sensor(string name, string dtype, long type, long[] shape, params long[] properties) =>
             new Dictionary<string, object>
             {
-                ["name"] = name, ["shape"] = shape.Select(one => (object)one).ToList(), ["dtype"] = dtype,
-                ["type"] = type, ["properties"] = properties.Select(one => (object)one).ToList(),
+                ["name"] = name,
+                ["shape"] = shape.Select(one => (object)one).ToList(),
+                ["dtype"] = dtype,
+                ["type"] = type,
+                ["properties"] = properties.Select(one => (object)one).ToList(),
             };
     }
 }
