@@ -370,7 +370,7 @@ def test_a_wrong_answer_is_said_in_one_line_and_a_reset_goes_on(change, why, con
         env.get_steps(BALL)
 
 
-def test_a_step_that_was_interrupted_is_done_to_its_end_by_the_next_one(arena):
+def test_after_a_step_that_was_interrupted_the_next_one_is_a_reset(arena):
     env = arena(Walker("Ball"))
     env.reset()
     may_go_on, begun = threading.Event(), threading.Event()
@@ -387,12 +387,13 @@ def test_a_step_that_was_interrupted_is_done_to_its_end_by_the_next_one(arena):
     with pytest.raises(KeyboardInterrupt):
         env.step()
     may_go_on.set()
+    with pytest.raises(KeyError, match="call reset before get_steps"):
+        env.get_steps(BALL)
     env.step()
-    now, _ = env.get_steps(BALL)
-    assert now.reward.tolist() == [1] and env.arena.ticks == 1, "it was done once"
-    assert env.arena.walkers[0].done == [((1, 2), ())]
+    assert env.arena.resets == [{"seed": 0}, {}] and env.get_steps(BALL)[0].obs[0][0].tolist()[:2] == [0, 0]
+    assert env.arena.walkers[0].done == [((1, 2), ())], "it was done once"
     env.step()
-    assert env.arena.ticks == 2
+    assert env.arena.ticks == 2 and env.arena.walkers[0].done[1:] == [((0, 0), ())]
 
 
 def test_another_simulator_goes_on_with_the_same_behaviors(monkeypatch):
@@ -674,7 +675,8 @@ def test_what_is_wrong_is_said_in_one_line(corridor, connected):
     assert env.get_steps(name)[0].obs[0].tolist() == [[0, 0]], "what was set before the first reset is none"
     with pytest.raises(UnityActionException, match=r"^there is no behavior 'Maze'; there is: Corridor\?team=0$"):
         env.get_steps("Maze")
-    shapes = re.escape("Corridor?team=0 takes (1, 2) floats, [agents, size], and not (1, 3)")
+    takes = "(1, 2) floats and (1, 0) whole numbers, [agents, size]"
+    shapes = re.escape(f"Corridor?team=0 takes {takes}, and not (1, 3) and (1, 0)")
     with pytest.raises(ValueError, match=f"^{shapes}$"):
         env.set_actions(name, np.zeros((1, 3)))
     with pytest.raises(IndexError, match="agent 7 of"):
@@ -751,11 +753,12 @@ def test_agents_by_attributes_have_the_spaces_that_are_given(connected):
 def test_ports_and_names(corridor):
     assert (UnityEnvironment.DEFAULT_EDITOR_PORT, UnityEnvironment.BASE_ENVIRONMENT_PORT) == (5004, 5005)
     assert UnityEnvironment.API_VERSION == "1.5.0"
-    assert {"BaseEnv", "BehaviorMapping", "SideChannel", "TerminalSteps", "AgentId"} <= {*environment.__all__}
+    names = ("BaseEnv", "BehaviorMapping", "SideChannel", "TerminalSteps", "AgentId", "UnityTimeOutException")
+    assert all(hasattr(environment, each) for each in names)
     env = corridor()
     capabilities = env.academy_capabilities
     assert (capabilities.baseRLCapabilities, capabilities.trainingAnalytics, len(capabilities)) == (True, False, 7)
-    assert env._link.simulators.connection.endpoint.endswith(f":{env._port}") and env._process is None
+    assert env._simulators.connection.endpoint.endswith(f":{env._port}") and env._process is None
 
 
 def test_a_simulator_that_is_missing_has_ml_agents_names(corridor):

@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from netmq_example.mlagents_envs.base_env import ActionTuple
 from netmq_example.mlagents_envs.environment import UnityEnvironment
-from netmq_example.mlagents_envs.specs import ActionTuple
 from tests.programs import Program, steady_port
 
 BALL = "Ball?team=0"

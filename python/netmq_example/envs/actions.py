@@ -161,7 +161,9 @@ def nearest(space: Any, action: Any) -> Any:
                 if given.shape != space.shape or given.dtype.kind not in "biuf":
                     return None
                 limited = np.clip(given.astype(space.dtype), space.low, space.high)
-                far = np.abs(given - limited) > ULPS * np.spacing(np.abs(limited))
+                # A float32 may be as far from a limit of float64 as it is exact.
+                coarse = np.float32 if given.dtype == np.float32 else space.dtype
+                far = np.abs(given - limited) > ULPS * np.spacing(np.abs(limited).astype(coarse))
             except REASONS:
                 return None
             # NaN is near nothing.

@@ -8,47 +8,273 @@ BaseEnv is what a wrapper or a trainer needs of an environment; environment.py h
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from enum import Enum, IntFlag
+from typing import Any, NamedTuple
 
-from netmq_example.mlagents_envs.specs import (
-    ActionSpec,
-    ActionTuple,
-    BehaviorMapping,
-    BehaviorName,
-    BehaviorSpec,
-    DimensionProperty,
-    ObservationSpec,
-    ObservationType,
-)
-from netmq_example.mlagents_envs.specs import _ActionTupleBase as _ActionTupleBase
-from netmq_example.mlagents_envs.steps import (
-    AgentId,
-    BatchedStepResult,
-    DecisionStep,
-    DecisionSteps,
-    GroupId,
-    TerminalStep,
-    TerminalSteps,
-)
+import numpy as np
 
-__all__ = [
-    "ActionSpec",
-    "ActionTuple",
-    "AgentId",
-    "BaseEnv",
-    "BatchedStepResult",
-    "BehaviorMapping",
-    "BehaviorName",
-    "BehaviorSpec",
-    "DecisionStep",
-    "DecisionSteps",
-    "DimensionProperty",
-    "GroupId",
-    "ObservationSpec",
-    "ObservationType",
-    "TerminalStep",
-    "TerminalSteps",
-]
+from netmq_example.mlagents_envs.exception import NoSteps, UnityActionException
+
+BehaviorName = str
+AgentId = int
+GroupId = int
+# Arrays without items may be anybody's.
+NO_FLOATS, NO_IDS, NO_FLAGS = np.zeros(0, np.float32), np.zeros(0, np.int32), np.zeros(0, bool)
+
+
+class _ActionTupleBase:
+    """The floats and the whole numbers of some agents, [agents, size]; whichever is not given has size 0."""
+
+    # A trainer keeps logarithms of probabilities in place of whole numbers, which are floats.
+    discrete_dtype: Any = np.int32
+
+    def __init__(self, continuous: Any = None, discrete: Any = None) -> None:
+        self.continuous: Any = None
+        self.discrete: Any = None
+        if continuous is not None:
+            self.add_continuous(continuous)
+        if discrete is not None:
+            self.add_discrete(discrete)
+
+    def add_continuous(self, continuous: Any) -> None:
+        self.continuous = np.asarray(continuous, np.float32)
+        if self.discrete is None:
+            self.discrete = np.zeros((len(self.continuous), 0), self.discrete_dtype)
+
+    def add_discrete(self, discrete: Any) -> None:
+        given = np.asarray(discrete)
+        self.discrete = given.astype(self.discrete_dtype, copy=False)
+        if given.dtype.kind not in "iub" and self.discrete_dtype == np.int32 and (self.discrete != given).any():
+            raise UnityActionException(f"discrete actions are whole numbers, not {discrete!r:.60}")
+        if self.continuous is None:
+            self.continuous = np.zeros((len(self.discrete), 0), np.float32)
+
+
+class ActionTuple(_ActionTupleBase):
+    """float32 and int32."""
+
+
+class ActionSpec(NamedTuple):
+    """How many floats, and for each whole number how many choices there are."""
+
+    continuous_size: int
+    discrete_branches: tuple[int, ...]
+
+    @staticmethod
+    def create_continuous(continuous_size: int) -> "ActionSpec":
+        return ActionSpec(continuous_size, ())
+
+    @staticmethod
+    def create_discrete(discrete_branches: tuple[int, ...]) -> "ActionSpec":
+        return ActionSpec(0, tuple(discrete_branches))
+
+    @staticmethod
+    def create_hybrid(continuous_size: int, discrete_branches: tuple[int, ...]) -> "ActionSpec":
+        return ActionSpec(continuous_size, tuple(discrete_branches))
+
+    @property
+    def discrete_size(self) -> int:
+        return len(self.discrete_branches)
+
+    def is_continuous(self) -> bool:
+        return self.continuous_size > 0 and not self.discrete_branches
+
+    def is_discrete(self) -> bool:
+        return self.discrete_size > 0 and not self.continuous_size
+
+    def empty_action(self, n_agents: int) -> ActionTuple:
+        floats = np.zeros((n_agents, self.continuous_size), np.float32)
+        return ActionTuple(floats, np.zeros((n_agents, self.discrete_size), np.int32))
+
+    def random_action(self, n_agents: int) -> ActionTuple:
+        """By numpy's common generator, which programs seed by np.random.seed."""
+        floats = np.random.uniform(-1, 1, (n_agents, self.continuous_size))
+        columns = [np.random.randint(0, choices, n_agents) for choices in self.discrete_branches]
+        return ActionTuple(floats, np.column_stack(columns) if columns else np.zeros((n_agents, 0), np.int32))
+
+
+class DimensionProperty(IntFlag):
+    """The use of one dimension of an observation."""
+
+    UNSPECIFIED = 0
+    NONE = 1
+    # A convolution makes sense along it.
+    TRANSLATIONAL_EQUIVARIANCE = 2
+    # There may be fewer, the rest is zeros, and their order says nothing.
+    VARIABLE_SIZE = 4
+
+
+class ObservationType(Enum):
+    DEFAULT = 0
+    GOAL_SIGNAL = 1
+
+
+class ObservationSpec(NamedTuple):
+    """One observation of one agent: its shape, and a property for each dimension."""
+
+    shape: tuple[int, ...]
+    dimension_property: tuple[DimensionProperty, ...]
+    observation_type: ObservationType
+    name: str
+
+
+class BehaviorSpec(NamedTuple):
+    """The observations, in the order of `obs`, and the parts of an action. The properties are the names of 2020."""
+
+    observation_specs: list[ObservationSpec]
+    action_spec: ActionSpec
+
+    @property
+    def observation_shapes(self) -> list[tuple[int, ...]]:
+        return [spec.shape for spec in self.observation_specs]
+
+    @property
+    def action_shape(self) -> Any:
+        """How many floats, or how many choices each branch has."""
+        return self.action_spec.continuous_size if self.is_action_continuous() else self.action_spec.discrete_branches
+
+    @property
+    def action_size(self) -> int:
+        return self.action_spec.continuous_size if self.is_action_continuous() else self.action_spec.discrete_size
+
+    @property
+    def discrete_action_branches(self) -> tuple[int, ...] | None:
+        return self.action_spec.discrete_branches or None
+
+    def is_action_continuous(self) -> bool:
+        return self.action_spec.is_continuous()
+
+    def is_action_discrete(self) -> bool:
+        return self.action_spec.is_discrete()
+
+
+class BehaviorMapping(dict[BehaviorName, BehaviorSpec]):
+    """An environment's: behaviors that come later are in it as well."""
+
+
+class DecisionStep(NamedTuple):
+    """Of one agent. `action_mask` has for each branch an array of choices, in which True is forbidden."""
+
+    obs: list[Any]
+    reward: float
+    agent_id: AgentId
+    action_mask: list[Any] | None
+    group_id: GroupId
+    group_reward: float
+
+
+class TerminalStep(NamedTuple):
+    obs: list[Any]
+    reward: float
+    interrupted: bool
+    agent_id: AgentId
+    group_id: GroupId
+    group_reward: float
+
+
+class Steps(Mapping[AgentId, Any]):
+    """Of several agents, by their ids."""
+
+    agent_id: Any
+    _agent_id_to_index: dict[AgentId, int] | None = None
+
+    @property
+    def agent_id_to_index(self) -> dict[AgentId, int]:
+        if self._agent_id_to_index is None:
+            self._agent_id_to_index = {found: at for at, found in enumerate(self)}
+        return self._agent_id_to_index
+
+    def __len__(self) -> int:
+        return len(self.agent_id)
+
+    def __iter__(self) -> Iterator[AgentId]:
+        return iter(np.asarray(self.agent_id).tolist())
+
+    def __contains__(self, agent_id: object) -> bool:
+        return agent_id in self.agent_id_to_index
+
+    def index(self, agent_id: AgentId) -> int:
+        if agent_id not in self.agent_id_to_index:
+            raise NoSteps(f"agent {agent_id!r:.40} is not among these {len(self)}")
+        return self.agent_id_to_index[agent_id]
+
+
+@dataclass(eq=False, repr=False)
+class DecisionSteps(Steps):
+    """Of the agents that want an action. `action_mask` has for each branch an array [agents, choices], True is
+    forbidden; it is None where there are no branches.
+    """
+
+    obs: list[Any]
+    reward: Any
+    agent_id: Any
+    action_mask: list[Any] | None
+    group_id: Any
+    group_reward: Any
+
+    def __getitem__(self, agent_id: AgentId) -> DecisionStep:
+        at = self.index(agent_id)
+        masks = None if self.action_mask is None else [mask[at] for mask in self.action_mask]
+        seen = [one[at] for one in self.obs]
+        return DecisionStep(seen, self.reward[at], agent_id, masks, self.group_id[at], self.group_reward[at])
+
+    @staticmethod
+    def empty(spec: BehaviorSpec) -> "DecisionSteps":
+        return DecisionSteps(unseen(spec), NO_FLOATS, NO_IDS, None, NO_IDS, NO_FLOATS)
+
+
+@dataclass(eq=False, repr=False)
+class TerminalSteps(Steps):
+    """Of the agents whose episode has ended; `interrupted` says that it was cut, by its time or by a disturbance."""
+
+    obs: list[Any]
+    reward: Any
+    interrupted: Any
+    agent_id: Any
+    group_id: Any
+    group_reward: Any
+
+    def __getitem__(self, agent_id: AgentId) -> TerminalStep:
+        at = self.index(agent_id)
+        seen = [one[at] for one in self.obs]
+        cut = self.interrupted[at]
+        return TerminalStep(seen, self.reward[at], cut, agent_id, self.group_id[at], self.group_reward[at])
+
+    @staticmethod
+    def empty(spec: BehaviorSpec) -> "TerminalSteps":
+        return TerminalSteps(unseen(spec), NO_FLOATS, NO_FLAGS, NO_IDS, NO_IDS, NO_FLOATS)
+
+
+def unseen(spec: BehaviorSpec) -> list[Any]:
+    """Observations of no agent."""
+    return [np.zeros((0, *one.shape), np.float32) for one in spec.observation_specs]
+
+
+class BatchedStepResult(NamedTuple):
+    """Both kinds of steps together, as early in 2020."""
+
+    obs: list[Any]
+    reward: Any
+    done: Any
+    max_step: Any
+    agent_id: Any
+    action_mask: list[Any] | None
+
+    def n_agents(self) -> int:
+        return len(self.agent_id)
+
+
+def batched(now: DecisionSteps, ended: TerminalSteps) -> BatchedStepResult:
+    """First those that have ended."""
+    obs = [np.concatenate(both) for both in zip(ended.obs, now.obs, strict=True)]
+    cut = np.append(ended.interrupted, np.zeros(len(now), bool))
+    none = [np.zeros((len(ended), mask.shape[1]), bool) for mask in now.action_mask or ()]
+    masks = now.action_mask and [np.concatenate(both) for both in zip(none, now.action_mask, strict=True)]
+    ids = np.append(ended.agent_id, now.agent_id)
+    done = np.arange(len(ids)) < len(ended)
+    return BatchedStepResult(obs, np.append(ended.reward, now.reward), done, cut, ids, masks)
 
 
 class BaseEnv(ABC):

@@ -9,73 +9,48 @@
 
 A scene of ML-Agents' shape has its own clock: a step goes on until an agent wants an action, or has ended. All other
 scenes, those of lessons 09 to 11 in C# or Python, go by Python's: all agents act in each step, and whoever ends begins
-anew within it; this needs gymnasium. In both an agent keeps its id over its episodes.
+anew within it; this needs gymnasium. In both an agent keeps its id over its episodes. It needs pyzmq and numpy.
 """
 
+import importlib
 import os
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from netmq_example import check
-from netmq_example.mlagents_envs.base_env import (
-    ActionTuple,
-    AgentId,
-    BaseEnv,
-    BatchedStepResult,
-    BehaviorMapping,
-    BehaviorName,
-    BehaviorSpec,
-    DecisionSteps,
-    TerminalSteps,
-)
-from netmq_example.mlagents_envs.clock import Turn
-from netmq_example.mlagents_envs.env_utils import is_player, launch_words
-from netmq_example.mlagents_envs.exception import (
-    NoRequest,
-    NoSteps,
-    UnityActionException,
-    UnityCommunicatorStoppedException,
-    UnityEnvironmentException,
-    UnityException,
-    UnityTimeOutException,
-)
-from netmq_example.mlagents_envs.side_channel import DefaultTrainingAnalyticsSideChannel
-from netmq_example.mlagents_envs.side_channel.side_channel import SideChannel
+from netmq_example.errors import Lost
+from netmq_example.messages import Message, MessageError
+from netmq_example.mlagents_envs import base_env, env_utils, exception, scene_clock
+
+# A program finds here what it finds in ML-Agents' module.
+from netmq_example.mlagents_envs.base_env import *  # noqa: F403
+from netmq_example.mlagents_envs.exception import *  # noqa: F403
+from netmq_example.mlagents_envs.side_channel import *  # noqa: F403
 from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
-from netmq_example.mlagents_envs.specs import as_tuple
-from netmq_example.mlagents_envs.steps import batched
 
-__all__ = [
-    "ActionTuple",
-    "AgentId",
-    "BaseEnv",
-    "BehaviorMapping",
-    "BehaviorName",
-    "BehaviorSpec",
-    "DecisionSteps",
-    "DefaultTrainingAnalyticsSideChannel",
-    "SideChannel",
-    "SideChannelManager",
-    "TerminalSteps",
-    "UnityActionException",
-    "UnityCommunicatorStoppedException",
-    "UnityEnvironment",
-    "UnityEnvironmentException",
-    "UnityTimeOutException",
-]
+NOBODY = None, None
 
 
-ANALYTICS = DefaultTrainingAnalyticsSideChannel.CHANNEL_ID
+class Capabilities(NamedTuple):
+    """With the names of ML-Agents' message: the kit has no analytics."""
+
+    baseRLCapabilities: bool = True
+    concatenatedPngObservations: bool = True
+    compressedChannelMapping: bool = True
+    hybridActions: bool = True
+    trainingAnalytics: bool = False
+    variableLengthObservation: bool = True
+    multiAgentGroups: bool = True
 
 
-class UnityEnvironment(BaseEnv):
+class UnityEnvironment(base_env.BaseEnv):
     """`file_name` is a build to launch, on a free port; without it Play is waited for, on `base_port` + `worker_id`.
 
     `timeout_wait` seconds may pass until a simulator is there, and in each step. A step whose simulator is lost raises
-    UnityCommunicatorStoppedException, and the next reset waits for another one, or launches it. A step that Ctrl-C
-    has interrupted is done to its end by the next one.
+    UnityCommunicatorStoppedException, and the next reset waits for another one, or launches it. After a step that
+    Ctrl-C has interrupted the next one is a reset.
 
     `channels_first=False` gives pictures as [height, width, channels], as ML-Agents had them before 2024. By Python's
     clock `max_episode_steps` is the agents' Max Step: the step with that number ends an episode, interrupted; and the
@@ -107,45 +82,45 @@ class UnityEnvironment(BaseEnv):
         action_space: Any = None,
     ) -> None:
         if check.count("num_areas", num_areas) > 1:
-            raise UnityEnvironmentException(
-                f"num_areas={num_areas}: nothing copies areas here, put them into the scene"
-            )
+            why = f"num_areas={num_areas}: nothing copies areas here, put them into the scene"
+            raise exception.UnityEnvironmentException(why)
         self._worker_id = check.count("worker_id", worker_id, least=0)
         self._no_graphics = no_graphics or (no_graphics_monitor and worker_id != 0)
         self._log_folder = log_folder
         self._additional_args = [*(additional_args or ())]
-        self._side_channel_manager = SideChannelManager(
-            # Nothing is told to Unity's analytics.
-            [one for one in side_channels or () if getattr(one, "channel_id", None) != ANALYTICS]
-        )
-        where: dict[str, Any] = {"wait": timeout_wait, "timeout": timeout_wait}
+        self._side_channel_manager = SideChannelManager([*(side_channels or ())])
+        self._seed = check.count("seed", seed, least=-(2**31))
+        # 0 is no limit, as for Max Step.
+        self._max_step = check.count("max_episode_steps", max_episode_steps or 0, least=0)
+        self._channels_first = channels_first
+        self._spaces = observation_space, action_space
+        self._clock: Any = None
+        self._begun = False
+        self._actions: dict[str, base_env.ActionTuple] = {}
+        self.academy_capabilities = Capabilities()
+        # Not before they are needed: their package registers environments with Gymnasium.
+        from netmq_example.envs.side_channels import StepCarrier
+        from netmq_example.envs.simulators import Simulators
+
+        words: dict[str, Any] = {"wait": timeout_wait, "timeout": timeout_wait}
         if file_name is None:
             port = self.DEFAULT_EDITOR_PORT if base_port is None else base_port
-            where["endpoint"] = f"tcp://127.0.0.1:{port + worker_id}"
+            words["endpoint"] = f"tcp://127.0.0.1:{port + worker_id}"
         else:
             check.instance("file_name", file_name, str, os.PathLike)
-            program = launch_words(os.fspath(file_name))
-            if not is_player(program[-1]):
+            program = env_utils.launch_words(os.fspath(file_name))
+            if not env_utils.is_player(program[-1]):
                 # Another program would not know the word for it.
                 self._log_folder = None
-            where["launch"] = [*program, *self._executable_args()]
-        words = {
-            "seed": check.count("seed", seed, least=-(2**31)),
-            # 0 is no limit, as for Max Step.
-            "limit": check.count("max_episode_steps", max_episode_steps or 0, least=0),
-            "channels_first": channels_first,
-            "given": (observation_space, action_space),
-        }
-        # Not before it is needed: its modules register environments with Gymnasium.
-        from netmq_example.mlagents_envs.link import Capabilities, Link
-
-        self._link = Link(self._side_channel_manager, where, self._worker_id, words)
-        self._clock = self._link.start(self)
-        self.academy_capabilities = Capabilities()
-        self._actions: dict[BehaviorName, ActionTuple] = {}
-        # Those whose arrays are not the caller's.
-        self._own: set[BehaviorName] = set()
-        self._begun = False
+            words["launch"] = [*program, *self._executable_args()]
+        self._launches = "launch" in words
+        try:
+            self._simulators = Simulators(**words)
+            if self._side_channel_manager.channels:
+                self._simulators.ask = StepCarrier(self._simulators.ask, self._side_channel_manager).ask
+            self._end = self._simulators.start(self, self._accept)
+        except (OSError, MessageError) as error:
+            raise self._named(error, exception.UnityEnvironmentException) from None
 
     def _executable_args(self) -> list[str]:
         """The words of a build; --endpoint follows them."""
@@ -154,111 +129,148 @@ class UnityEnvironment(BaseEnv):
             words += ["-logFile", os.path.join(self._log_folder, f"Player-{self._worker_id}.log")]
         return words + self._additional_args
 
+    def _accept(self, hello: Message) -> None:
+        """Take a simulator, the first one or another; MessageError says why it is refused."""
+        if self._clock is None:
+            if hello.values.get("clock") != "scene":
+                # By name: it needs gymnasium.
+                module = importlib.import_module("netmq_example.mlagents_envs.python_clock")
+                self._clock = module.PythonClock(self._seed, self._max_step, self._channels_first, self._spaces)
+            elif self._max_step or self._spaces != (None, None):
+                cure = "its agents have Max Step and spaces of their own in the scene"
+                raise MessageError("scene-clock", f"max_episode_steps and spaces are for Python's clock: {cure}")
+            else:
+                self._clock = scene_clock.SceneClock(self._seed, self._channels_first)
+        self._clock.connected(hello)
+
+    def _named(self, error: Exception, other: Any = exception.UnityCommunicationException) -> Exception:
+        """The same error by ML-Agents' name."""
+        match error:
+            case exception.UnityException():
+                return error
+            case Lost():
+                why = f"the simulator is lost: {error}; reset waits for another one"
+                return exception.UnityCommunicatorStoppedException(why)
+            case TimeoutError():
+                return exception.UnityTimeOutException(str(error))
+            case OSError() if self._launches:
+                return exception.UnityEnvironmentException(str(error))
+            case OSError():
+                return exception.UnityWorkerInUseException(self._worker_id, str(error))
+        return other(str(error))  # type: ignore[no-any-return]
+
     @property
     def _loaded(self) -> bool:
-        return not self._link.simulators.connection.closed
+        return not self._simulators.connection.closed
 
     @property
     def _port(self) -> int:
-        return int(self._link.simulators.connection.endpoint.rpartition(":")[2])
+        return int(self._simulators.connection.endpoint.rpartition(":")[2])
 
     @property
     def _process(self) -> Any:
-        return self._link.simulators.process
+        return self._simulators.process
 
     @property
-    def _env_specs(self) -> dict[BehaviorName, BehaviorSpec]:
-        return self._clock.specs
+    def _env_specs(self) -> base_env.BehaviorMapping:
+        return self._clock.specs  # type: ignore[no-any-return]
 
     @property
-    def behavior_specs(self) -> Mapping[BehaviorName, BehaviorSpec]:
-        return BehaviorMapping(self._clock.specs)
+    def behavior_specs(self) -> Mapping[str, base_env.BehaviorSpec]:
+        return self._env_specs
 
     def reset(self) -> None:
         self._check_loaded()
-        self._forget_actions()
+        self._actions = {}
         self._begun = False
-        self._link.reset(self._clock)
+        try:
+            self._simulators.begin(self._accept, lambda lost: self._clock.reset(self._simulators.ask))
+        except (OSError, MessageError) as error:
+            raise self._named(error) from None
         self._begun = True
 
     def step(self) -> None:
         if not self._begun:
-            return self.reset()
-        self._check_loaded()
-        try:
-            self._link.step(self._clock, self._actions)
-        except UnityException as error:
-            # A wrong action has moved nothing.
-            self._begun = isinstance(error, UnityActionException)
-            raise
-        finally:
-            self._forget_actions()
-
-    def _forget_actions(self) -> None:
+            self.reset()
+            return
+        actions = self._actions
         self._actions = {}
-        self._own.clear()
-
-    def _check_loaded(self) -> None:
-        if not self._loaded:
-            raise UnityEnvironmentException("this environment is closed: make a new one")
-
-    def _turn(self, behavior_name: BehaviorName) -> Turn:
-        """UnityActionException, if there is no such behavior."""
-        if behavior_name not in self._clock.specs:
-            known = ", ".join(self._clock.specs) or "none before reset"
-            raise UnityActionException(f"there is no behavior {behavior_name!a:.40}; there is: {known}")
-        return self._clock.turns.get(behavior_name) or Turn()
-
-    def get_steps(self, behavior_name: BehaviorName) -> tuple[DecisionSteps, TerminalSteps]:
-        turn = self._turn(behavior_name)
-        if not self._begun:
-            raise NoSteps("call reset before get_steps")
-        return turn.steps(self._clock.specs[behavior_name])
-
-    def set_actions(self, behavior_name: BehaviorName, action: Any) -> None:
-        turn = self._turn(behavior_name)
-        if not self._begun:
-            return
-        spec = self._clock.specs[behavior_name].action_spec
-        count = 0 if turn.decisions is None else len(turn.decisions)
-        action = as_tuple(action, spec.continuous_size)
-        if count or np.size(action.continuous) or np.size(action.discrete):
-            self._actions[behavior_name] = spec._validate_action(action, count, behavior_name)
-            self._own.discard(behavior_name)
-
-    def set_action_for_agent(self, behavior_name: BehaviorName, agent_id: AgentId, action: Any) -> None:
-        turn = self._turn(behavior_name)
-        if not self._begun:
-            return
-        spec = self._clock.specs[behavior_name].action_spec
-        action = spec._validate_action(as_tuple(action, spec.continuous_size), 1, behavior_name)
-        if turn.decisions is None or agent_id not in turn.decisions:
-            raise NoRequest(f"agent {agent_id!r:.40} of {behavior_name} wants no action in this step")
-        all_of_them = self._actions.get(behavior_name) or spec.empty_action(len(turn.decisions))
-        if behavior_name not in self._own:
-            all_of_them = ActionTuple(all_of_them.continuous.copy(), all_of_them.discrete.copy())
-            self._own.add(behavior_name)
-        at = turn.decisions.agent_id_to_index[agent_id]
-        all_of_them.continuous[at] = action.continuous[0]
-        all_of_them.discrete[at] = action.discrete[0]
-        self._actions[behavior_name] = all_of_them
+        self._begun = False
+        try:
+            self._clock.step(self._simulators.ask, actions)
+        except (OSError, MessageError) as error:
+            raise self._named(error) from None
+        except ValueError as error:
+            # Nothing has moved.
+            self._begun = True
+            raise exception.UnityActionException(str(error)) from None
+        self._begun = True
 
     def close(self) -> None:
         self._check_loaded()
-        self._link.close()
+        self._begun = False
+        self._end()
+
+    def _check_loaded(self) -> None:
+        if not self._loaded:
+            raise exception.UnityEnvironmentException("this environment is closed: make a new one")
+
+    def get_behavior_spec(self, behavior_name: str) -> base_env.BehaviorSpec:
+        """It has this name since 2020."""
+        specs = self._env_specs
+        if behavior_name not in specs:
+            known = ", ".join(specs) or "none before reset"
+            raise exception.UnityActionException(f"there is no behavior {behavior_name!a:.40}; there is: {known}")
+        return specs[behavior_name]
+
+    def get_steps(self, behavior_name: str) -> tuple[base_env.DecisionSteps, base_env.TerminalSteps]:
+        spec = self.get_behavior_spec(behavior_name)
+        if not self._begun:
+            raise exception.NoSteps("call reset before get_steps")
+        now, ended = self._clock.turns.get(behavior_name, NOBODY)
+        return now or base_env.DecisionSteps.empty(spec), ended or base_env.TerminalSteps.empty(spec)
+
+    def set_actions(self, behavior_name: str, action: Any) -> None:
+        """An ActionTuple, or as early in 2020 an array. Before the first reset, and for nobody, nothing is set."""
+        spec = self.get_behavior_spec(behavior_name)
+        now, _ = self._clock.turns.get(behavior_name, NOBODY)
+        if now and self._begun:
+            self._actions[behavior_name] = as_tuple(action, spec, len(now), behavior_name)
+
+    def set_action_for_agent(self, behavior_name: str, agent_id: int, action: Any) -> None:
+        spec = self.get_behavior_spec(behavior_name)
+        if not self._begun:
+            return
+        now, _ = self._clock.turns.get(behavior_name, NOBODY)
+        if not now or agent_id not in now:
+            raise exception.NoRequest(f"agent {agent_id!r:.40} of {behavior_name} wants no action in this step")
+        given = as_tuple(action, spec, 1, behavior_name)
+        row = now.agent_id_to_index[agent_id]
+        old = self._actions.get(behavior_name) or spec.action_spec.empty_action(len(now))
+        # Its arrays may be the caller's.
+        floats, numbers = old.continuous.copy(), old.discrete.copy()
+        floats[row] = given.continuous
+        numbers[row] = given.discrete
+        self._actions[behavior_name] = base_env.ActionTuple(floats, numbers)
 
     # Of 2020.
 
-    def get_behavior_names(self) -> list[BehaviorName]:
-        return list(self._clock.specs)
+    def get_behavior_names(self) -> list[str]:
+        return list(self._env_specs)
 
     get_agent_groups = get_behavior_names
 
-    def get_behavior_spec(self, behavior_name: BehaviorName) -> BehaviorSpec:
-        self._turn(behavior_name)
-        return self._clock.specs[behavior_name]
+    def get_step_result(self, agent_group_name: str) -> base_env.BatchedStepResult:
+        return base_env.batched(*self.get_steps(agent_group_name))
 
-    get_agent_group_spec = get_behavior_spec
 
-    def get_step_result(self, agent_group_name: BehaviorName) -> BatchedStepResult:
-        return batched(*self.get_steps(agent_group_name))
+def as_tuple(action: Any, spec: base_env.BehaviorSpec, count: int, name: str) -> Any:
+    """UnityActionException, if it is not of so many agents."""
+    size, branches = spec.action_spec.continuous_size, spec.action_spec.discrete_size
+    if not hasattr(action, "discrete"):
+        action = base_env.ActionTuple(action) if size else base_env.ActionTuple(discrete=action)
+    got = np.shape(action.continuous), np.shape(action.discrete)
+    if got != ((count, size), (count, branches)):
+        takes = f"{(count, size)} floats and {(count, branches)} whole numbers, [agents, size]"
+        raise exception.UnityActionException(f"{name} takes {takes}, and not {got[0]} and {got[1]}")
+    return action

@@ -5,19 +5,6 @@ All of them are the kit's Error, and all can be pickled: a trainer's workers sen
 
 from netmq_example.errors import Error
 
-__all__ = [
-    "UnityActionException",
-    "UnityCommunicationException",
-    "UnityCommunicatorStoppedException",
-    "UnityEnvironmentException",
-    "UnityException",
-    "UnityObservationException",
-    "UnityPolicyException",
-    "UnitySideChannelException",
-    "UnityTimeOutException",
-    "UnityWorkerInUseException",
-]
-
 
 class UnityException(Error):
     """Anything that ML-Agents, or a channel written for it, has to say in one line."""

@@ -1,142 +1,126 @@
 """Gymnasium's spaces as ML-Agents has what is done and seen: rows of floats and whole numbers, and float32 arrays.
 
-    done = Done(Dict(steer=Box(-1, 1, (2,)), gear=Discrete(5)))             done.spec: 2 floats and a branch of 5
-    batch = done.batch(floats, whole_numbers)                               as Gymnasium batches actions
-    seen = Seen(Dict(eye=Box(0, 255, (24, 32, 3), np.uint8)), done.spec)    seen.specs: eye, [3, 24, 32]
-    arrays = seen.split(seen.parts(batch of observations))
+    done = Done(Dict(steer=Box(-1, 1, (2,)), gear=Discrete(5)))         done.spec: 2 floats and a branch of 5
+    batch = done.batch(floats, whole_numbers)                           as Gymnasium batches actions
+    seen = Seen(Dict(eye=Box(0, 255, (24, 32, 3), np.uint8)), 5)        seen.specs: eye, [3, 24, 32]
+    arrays = seen.split(batch of observations)
 
 It needs gymnasium and numpy.
 """
 
+import functools
 import math
-from collections.abc import Callable, Iterator
+import operator
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from gymnasium import spaces
 
+from netmq_example.envs.remote import MASK
 from netmq_example.messages import MessageError
-from netmq_example.mlagents_envs.clock import PICTURE, as_picture, channels_last
-from netmq_example.mlagents_envs.specs import ActionSpec, DimensionProperty, ObservationSpec, ObservationType
+from netmq_example.mlagents_envs.base_env import ActionSpec, DimensionProperty, ObservationSpec, ObservationType
+from netmq_example.mlagents_envs.scene_clock import PICTURE, as_picture, channels_last
 
-CURE = "take gymnasium.make"
-MASK = "action_mask"
 # The last dimension of a picture.
 CHANNELS = (1, 3, 4)
-
-Maker = Callable[[Any, Any], Any]
 
 
 class Done:
     """Actions of a space: floats of each Box, and a branch for each number of all others."""
 
     def __init__(self, space: spaces.Space[Any]) -> None:
-        self.floats = 0
-        self.branches: list[int] = []
-        # It takes floats and whole numbers, [agents, size].
-        self.batch = self.maker(space)
-        self.spec = ActionSpec(self.floats, tuple(self.branches))
+        self.space = space
+        self.leaves = [leaf for _, leaf in leaves_of(space, "action", ())]
+        floats = sum(math.prod(leaf.shape) for leaf in self.leaves if isinstance(leaf, spaces.Box))
+        self.spec = ActionSpec(floats, tuple(choices for leaf in self.leaves for choices in choices_of(leaf)))
 
-    def maker(self, space: Any) -> Maker:
-        match space:
-            case spaces.Dict():
-                parts = {key: self.maker(part) for key, part in space.items()}
-                return lambda floats, numbers: {key: make(floats, numbers) for key, make in parts.items()}
-            case spaces.Tuple():
-                items = [self.maker(part) for part in space]
-                return lambda floats, numbers: tuple(make(floats, numbers) for make in items)
-            case spaces.Box():
-                at = self.floats
-                self.floats = end = at + math.prod(space.shape)
-                return lambda floats, _: within(space, floats[:, at:end].reshape(-1, *space.shape))
-            case spaces.Discrete() | spaces.MultiDiscrete():
-                # Whole numbers may begin elsewhere than at 0.
-                return self.choices(space, space.n if isinstance(space, spaces.Discrete) else space.nvec, space.start)
-            case spaces.MultiBinary():
-                return self.choices(space, np.full(space.shape, 2), 0)
-        raise MessageError("no-action", f"ML-Agents has no action {space!s:.80}: {CURE}")
-
-    def choices(self, space: Any, counts: Any, start: Any) -> Maker:
-        at = len(self.branches)
-        self.branches += np.ravel(counts).tolist()
-        end = len(self.branches)
-        if not np.any(start):
-            return lambda _, numbers: numbers[:, at:end].reshape(-1, *space.shape).astype(space.dtype)
-        return lambda _, numbers: (numbers[:, at:end].reshape(-1, *space.shape) + start).astype(space.dtype)
-
-
-def within(space: spaces.Box, given: Any) -> Any:
-    """Actions as the space has them. The float32 of a limit of float64 is that limit."""
-    if space.dtype == np.float32:
-        return given
-    action = given.astype(space.dtype)
-    for limit in (space.low, space.high):
-        action = np.where(given == limit.astype(np.float32), limit, action)
-    return action
+    def batch(self, floats: Any, numbers: Any) -> Any:
+        """Of [agents, size] each."""
+        parts = []
+        for leaf in self.leaves:
+            size = math.prod(leaf.shape)
+            if isinstance(leaf, spaces.Box):
+                parts.append(floats[:, :size].reshape(-1, *leaf.shape))
+                floats = floats[:, size:]
+            else:
+                # They may begin elsewhere than at 0.
+                part = numbers[:, :size].reshape(-1, *leaf.shape) + getattr(leaf, "start", 0)
+                parts.append(part.astype(leaf.dtype, copy=False))
+                numbers = numbers[:, size:]
+        return nested(self.space, iter(parts))
 
 
 class Seen:
-    """Observations of a space: one for each array in it. What is called action_mask says what may be done."""
+    """Observations of a space: one for each array in it. What is called action_mask says which `choices` there are."""
 
-    def __init__(self, space: spaces.Space[Any], done: ActionSpec, channels_first: bool) -> None:
+    def __init__(self, space: spaces.Space[Any], choices: int, channels_first: bool = True) -> None:
         self.channels_first = channels_first
-        self.leaves = list(leaves_of(space, ()))
-        masks = [at for at, (path, _) in enumerate(self.leaves) if path[:1] == (MASK,)]
+        self.leaves = dict(leaves_of(space, "observation", ()))
+        mask = self.leaves.get((MASK,))
         # Of another size it is something else.
-        size = sum(math.prod(self.leaves[at][1].shape) for at in masks)
-        self.masks = masks if size == sum(done.discrete_branches) else []
-        self.others = [at for at in range(len(self.leaves)) if at not in self.masks]
-        described = [self.described(*self.leaves[at]) for at in self.others]
-        self.specs = [spec for spec, _ in described]
-        self.readers = [reader for _, reader in described]
+        self.masked = bool(choices) and mask is not None and math.prod(mask.shape) == choices
+        if self.masked:
+            del self.leaves[MASK,]
+        self.specs = [self.described(path, leaf) for path, leaf in self.leaves.items()]
 
-    def described(self, path: tuple[Any, ...], space: Any) -> tuple[ObservationSpec, Callable[[Any], Any]]:
+    def described(self, path: tuple[Any, ...], leaf: Any) -> ObservationSpec:
         name = ".".join(map(str, path)) or "observation"
-        shape: tuple[int, ...] = space.shape or (1,)
-        if len(shape) == 3 and space.dtype == np.uint8 and shape[2] in CHANNELS:
+        shape: tuple[int, ...] = leaf.shape or (1,)
+        if is_picture(leaf):
             spec = ObservationSpec((shape[2], *shape[:2]), PICTURE, ObservationType.DEFAULT, name)
-            return (spec, first) if self.channels_first else (channels_last(spec), as_picture)
+            return spec if self.channels_first else channels_last(spec)
         # An attention or a convolution may make sense of more dimensions, or none.
         properties = (DimensionProperty.NONE if len(shape) == 1 else DimensionProperty.UNSPECIFIED,) * len(shape)
-        spec = ObservationSpec(shape, properties, ObservationType.DEFAULT, name)
-        if space.dtype == np.float32 and space.shape:
-            return spec, lambda part: part.copy()
-        return spec, lambda part: part.astype(np.float32).reshape(len(part), *shape)
+        return ObservationSpec(shape, properties, ObservationType.DEFAULT, name)
 
-    def parts(self, batch: Any) -> list[Any]:
-        """The part of each leaf."""
-        return [part_of(batch, path) for path, _ in self.leaves]
-
-    def split(self, parts: list[Any]) -> list[Any]:
-        """A fresh array for each observation."""
-        return [read(parts[at]) for at, read in zip(self.others, self.readers, strict=True)]
-
-    def allowed(self, parts: list[Any]) -> Any:
-        """Each row's masks side by side, as the scene has them: 1 may be done."""
-        return np.concatenate([parts[at].reshape(len(parts[at]), -1) for at in self.masks], axis=1)
+    def split(self, batch: Any) -> list[Any]:
+        """An array for each observation; the batch belongs to nobody else."""
+        seen = []
+        for path, leaf in self.leaves.items():
+            part = functools.reduce(operator.getitem, path, batch)
+            if is_picture(leaf):
+                part = as_picture(np.moveaxis(part, 3, 1) if self.channels_first else part)
+            elif part.dtype != np.float32:
+                part = part.astype(np.float32)
+            seen.append(part if leaf.shape else part.reshape(-1, 1))
+        return seen
 
 
-def first(batch: Any) -> Any:
-    """A picture's channels come first."""
-    return as_picture(np.ascontiguousarray(np.moveaxis(batch, 3, 1)))
+def is_picture(leaf: Any) -> bool:
+    return len(leaf.shape) == 3 and leaf.dtype == np.uint8 and leaf.shape[2] in CHANNELS
 
 
-def leaves_of(space: Any, path: tuple[Any, ...]) -> Iterator[tuple[tuple[Any, ...], Any]]:
+def choices_of(leaf: Any) -> list[int]:
+    """How many there are of each whole number of an action."""
+    match leaf:
+        case spaces.Discrete():
+            return [int(leaf.n)]
+        case spaces.MultiDiscrete():
+            return list(map(int, leaf.nvec.flat))
+        case spaces.MultiBinary():
+            return [2] * math.prod(leaf.shape)
+    return []
+
+
+def leaves_of(space: Any, which: str, path: tuple[Any, ...]) -> Iterator[tuple[tuple[Any, ...], Any]]:
     match space:
-        case spaces.Dict():
-            for key, part in space.items():
-                yield from leaves_of(part, (*path, key))
-        case spaces.Tuple():
-            for at, part in enumerate(space):
-                yield from leaves_of(part, (*path, at))
+        case spaces.Dict() | spaces.Tuple():
+            for key, part in space.items() if isinstance(space, spaces.Dict) else enumerate(space):
+                yield from leaves_of(part, which, (*path, key))
         case spaces.Box() | spaces.Discrete() | spaces.MultiDiscrete() | spaces.MultiBinary():
             yield path, space
         case _:
             where = f" at {'.'.join(map(str, path))}" if path else ""
-            raise MessageError("no-observation", f"ML-Agents has no observation {space!s:.80}{where}: {CURE}")
+            what = f"ML-Agents has no {which} {space!s:.80}{where}"
+            raise MessageError(f"no-{which}", f"{what}: take gymnasium.make")
 
 
-def part_of(batch: Any, path: tuple[Any, ...]) -> Any:
-    for key in path:
-        batch = batch[key]
-    return batch
+def nested(space: Any, parts: Iterator[Any]) -> Any:
+    """The parts of all leaves as a batch of the space."""
+    match space:
+        case spaces.Dict():
+            return {key: nested(part, parts) for key, part in space.items()}
+        case spaces.Tuple():
+            return tuple(nested(part, parts) for part in space)
+    return next(parts)

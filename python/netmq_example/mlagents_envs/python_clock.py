@@ -1,226 +1,220 @@
 """Python's clock, that of lessons 09 to 11: at each step all agents of the scene act, and whoever ends begins anew.
 
-An agent's id is its number among all agents of the scene, and another one that comes in its place has a new id. It
+An agent's id is its number among all agents of the scene, and another one that comes in its place has a new id. What is
+done and seen in Gymnasium's spaces are floats and whole numbers here, and a float32 array for each array in them. It
 needs gymnasium and numpy.
 """
 
-from collections.abc import Callable, Mapping
+import itertools
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 from gymnasium.spaces import Space
 
-from netmq_example.envs.actions import Actions, nearest
+from netmq_example.envs import kinds
+from netmq_example.envs.actions import Actions
 from netmq_example.envs.episodes import Episodes
-from netmq_example.envs.kinds import Kind, SceneHello, agreed, read_hello, same_scene
+from netmq_example.envs.observations import NOBODY, observations_of
 from netmq_example.envs.remote import MASK, info_in
 from netmq_example.messages import Message, MessageError, take
-from netmq_example.mlagents_envs.clock import Clock, Turn, branches_of, rewards_of
-from netmq_example.mlagents_envs.plain import Done, Seen
-from netmq_example.mlagents_envs.rows import rows_of
-from netmq_example.mlagents_envs.specs import ActionTuple, BehaviorSpec
-from netmq_example.mlagents_envs.steps import DecisionSteps, TerminalSteps
-from netmq_example.wire import records
-from netmq_example.wire.batches import empty, together
+from netmq_example.mlagents_envs import plain, scene_clock
+from netmq_example.mlagents_envs.base_env import (
+    ActionTuple,
+    BehaviorMapping,
+    BehaviorSpec,
+    DecisionSteps,
+    TerminalSteps,
+)
+from netmq_example.wire import batches, records
 from netmq_example.wire.records import Record, Section
 
-NewIds = Callable[[int], Any]
 Spaces = tuple[Space[Any] | None, Space[Any] | None]
 
 
-class PythonClock(Clock):
+class PythonClock:
     """`given` are the spaces of agents whose scene says none, `limit` is how many steps an episode has, or 0."""
 
     def __init__(self, seed: int, limit: int, channels_first: bool, given: Spaces) -> None:
-        super().__init__()
         self.seed = seed
         self.limit = limit
         self.channels_first = channels_first
         self.given = given
-        self.scene: SceneHello | None = None
+        self.specs = BehaviorMapping()
+        self.turns: dict[str, scene_clock.Turn] = {}
+        self.scene: kinds.SceneHello | None = None
         self.behaviors: list[Behavior] = []
 
     def connected(self, hello: Message) -> None:
-        scene = same_scene(read_hello(hello, take(hello.values, "name", str)), self.scene)
+        scene = kinds.same_scene(kinds.read_hello(hello, take(hello.values, "name", str)), self.scene)
         if not self.scene:
+            count = len(scene.agents)
+            new_ids = itertools.count(count)
             try:
-                # Agents that are all of one kind are called as their scene.
-                names = [scene.name] if len(scene.kinds) == 1 else [kind.name for kind in scene.kinds]
-                self.behaviors = [
-                    Behavior(f"{name}?team=0", kind, self.given, self.channels_first)
-                    for name, kind in zip(names, scene.kinds, strict=True)
-                ]
+                for kind in scene.kinds:
+                    # Agents that are all of one kind are called as their scene.
+                    name = f"{scene.name if len(scene.kinds) == 1 else kind.name}?team=0"
+                    self.behaviors.append(Behavior(name, kind, self.given, self.channels_first, new_ids))
             except ValueError as error:
                 raise error if isinstance(error, MessageError) else MessageError("wrong-scene", str(error)) from None
             self.specs.update({behavior.name: behavior.spec for behavior in self.behaviors})
-            self.episodes = Episodes(len(scene.agents), self.limit)
-            self.episodes.plant(self.seed % 2**32, np.ones(len(scene.agents), bool))
-            self.next_id = len(scene.agents)
+            self.episodes = Episodes(count, self.limit)
+            self.episodes.plant(self.seed % 2**32, np.ones(count, bool))
         self.scene = scene
+        # The agents that are not in the scene, and those that have stepped last; None for none, and for all.
         self.away: Any = None
         self.stepping: Any = None
 
-    def reset(self) -> Record:
-        orders = {behavior: bytes([records.RESET]) * behavior.count for behavior in self.behaviors}
-        return Record(records.ASKS, 0, [self.section(*each) for each in orders.items()])
+    def reset(self, ask: scene_clock.Ask) -> None:
+        sections = [self.section(one, bytes([records.RESET]) * one.count) for one in self.behaviors]
+        answer = ask(Record(records.ASKS, 0, sections))
+        self.episodes.begun(range(self.episodes.count))
+        self.read(answer, True)
 
     def section(self, behavior: "Behavior", marks: bytes) -> Section:
-        kind = behavior.kind
-        return Section(kind.at, self.episodes.next[behavior.rows].tobytes(), marks)
+        return Section(behavior.kind.at, self.episodes.next[behavior.rows].tobytes(), marks)
 
-    def step(self, actions: Mapping[str, ActionTuple]) -> Record:
-        return self.stepped({one.name: one.batch(actions.get(one.name)) for one in self.behaviors})
+    def step(self, ask: scene_clock.Ask, actions: Mapping[str, ActionTuple]) -> None:
+        """ValueError names an action that is not in its space: nothing has moved then."""
+        done = [one.batch(actions.get(one.name)) for one in self.behaviors]
+        try:
+            answer = ask(self.request(done))
+        except MessageError as error:
+            if error.code != "not-in-space":
+                raise
+            # Rounding may have taken it out of there.
+            done = [
+                one.actions.checked(one.actions.batch, each) for one, each in zip(self.behaviors, done, strict=True)
+            ]
+            answer = ask(self.request(done))
+        if self.stepping is not None:
+            self.episodes.draw(np.flatnonzero(~self.stepping))
+        if self.limit or self.stepping is not None:
+            self.episodes.stepped(self.stepping)
+        self.read(answer, False)
 
-    def stepped(self, batches: Mapping[str, Any]) -> Record:
+    def request(self, done: list[Any]) -> Record:
         marks, self.stepping = self.episodes.orders(None, self.away)
-        self.batches = batches
         sections = []
-        for behavior in self.behaviors:
+        for behavior, batch in zip(self.behaviors, done, strict=True):
             section = self.section(behavior, marks[behavior.rows] if marks else behavior.everybody)
             steps = None if self.stepping is None else self.stepping[behavior.rows]
-            behavior.actions.put_batch(section, batches[behavior.name], steps)
+            behavior.actions.put_batch(section, batch, steps)
             sections.append(section)
         return Record(records.ASKS, 0, sections, records.AUTORESET)
 
-    def limited(self) -> Record | None:
-        pairs = {one.name: (one.actions, self.batches[one.name]) for one in self.behaviors}
-        if all(batch in actions.batch for actions, batch in pairs.values()):
-            return None
-        near = {name: nearest(actions.batch, batch) for name, (actions, batch) in pairs.items()}
-        for name, (actions, batch) in pairs.items():
-            if near[name] is None:
-                raise ValueError(str(actions.refused(actions.batch, batch)))
-        return self.stepped(near)
-
     def read(self, answer: Record, begins: bool) -> None:
-        episodes = self.episodes
-        if begins:
-            episodes.begun(range(episodes.count))
-        elif self.stepping is not None:
-            episodes.draw(np.flatnonzero(~self.stepping))
-        if not begins and (episodes.limit or self.stepping is not None):
-            episodes.stepped(self.stepping)
         count = len(self.behaviors)
-        last = {one.kind: one for one in answer.sections[count:] if one.columns & records.ENDED}
+        ends = {one.kind: one for one in answer.sections[count:] if one.columns & records.ENDED}
         turns = {}
         for behavior, section in zip(self.behaviors, answer.sections, strict=False):
-            ended = last.get(section.kind)
-            turns[behavior.name] = behavior.turn(section, ended, begins, self.new_ids)
-            if ended:
-                episodes.begun([behavior.kind.first + row for row in ended.whose()])
+            last = ends.get(section.kind)
+            turns[behavior.name] = behavior.turn(section, last, begins)
+            if last:
+                self.episodes.begun([behavior.kind.first + row for row in last.whose()])
         self.turns = turns
-        self.away = None
-        if any(behavior.away is not None for behavior in self.behaviors):
-            self.away = np.concatenate([behavior.is_away() for behavior in self.behaviors])
-
-    def new_ids(self, count: int) -> Any:
-        self.next_id += count
-        return np.arange(self.next_id - count, self.next_id, dtype=np.int32)
+        somebody = any(behavior.here is not None for behavior in self.behaviors)
+        self.away = np.concatenate([behavior.away for behavior in self.behaviors]) if somebody else None
 
 
 class Behavior:
-    """The agents of one kind."""
+    """The agents of one kind. MessageError says what ML-Agents has nothing for."""
 
-    def __init__(self, name: str, kind: Kind, given: Spaces, channels_first: bool) -> None:
-        self.kind = kind
+    def __init__(
+        self, name: str, kind: kinds.Kind, given: Spaces, channels_first: bool, new_ids: Iterator[int]
+    ) -> None:
         self.name = name
+        self.kind = kind
+        self.new_ids = new_ids
         self.count = len(kind.agents)
         self.rows = slice(kind.first, kind.first + self.count)
-        observation = agreed(kind, "observation", None if kind.observation else given[0])
-        action = agreed(kind, "action", None if kind.action else given[1])
-        self.done = Done(action)
-        self.plain = Seen(observation, self.done.spec, channels_first)
-        self.spec = BehaviorSpec(self.plain.specs, self.done.spec)
-        self.actions = Actions(action, kind)
-        self.seen = rows_of(kind, observation, self.plain)
-        self.nothing = together(action, [empty(action, name)] * self.count)
         self.everybody = bytes([records.STEP]) * self.count
         self.all_seen = bytes([records.SEEN]) * self.count
-        self.choices = sum(self.done.spec.discrete_branches)
         self.ids = np.arange(kind.first, kind.first + self.count, dtype=np.int32)
-        # The rows whose agent is not in the scene, None for none, and those of the DecisionSteps, None for all.
-        self.away: Any = None
+        # The rows whose agent is not in the scene, and those of the DecisionSteps, None for all.
+        self.away = np.zeros(self.count, bool)
         self.here: Any = None
+        action = kinds.agreed(kind, "action", None if kind.action else given[1])
+        self.actions = Actions(action, kind)
+        self.nothing = batches.together(action, [batches.empty(action, name)] * self.count)
+        self.done = plain.Done(action)
+        self.branches = self.done.spec.discrete_branches
+        self.space = kinds.agreed(kind, "observation", None if kind.observation else given[0])
+        self.rows_seen = observations_of(self.space, kind)
+        self.seen = plain.Seen(self.space, sum(self.branches), channels_first)
+        self.spec = BehaviorSpec(self.seen.specs, self.done.spec)
 
     def batch(self, action: ActionTuple | None) -> Any:
-        """Actions of all rows. Without them it is zeros, or what is nearest to them."""
+        """Actions of all rows, as Gymnasium batches them. Without them it is zeros, or what is nearest to them."""
         if action is None:
             return self.nothing
         if self.here is not None:
-            given, action = action, self.done.spec.empty_action(self.count)
+            given = action
+            action = self.done.spec.empty_action(self.count)
             action.continuous[self.here] = given.continuous
             action.discrete[self.here] = given.discrete
         return self.done.batch(action.continuous, action.discrete)
 
-    def turn(self, section: Section, last: Section | None, begins: bool, new_ids: NewIds) -> Turn:
-        who, ended = None, None
-        if last:
-            who = np.asarray(last.whose())
-            ended = self.ended(last, who)
-        parts = self.seen.take(section, begins, who)
-        seen = self.plain.split(parts)
-        rewards = rewards_of(section)
-        masks = self.masks(section, parts) if self.choices else None
-        if section.marks != self.all_seen or self.away is not None:
-            left = self.changed(np.frombuffer(section.marks, np.uint8), new_ids)
-            known = [] if ended is None else ended.agent_id.tolist()
-            rows = [row for row in np.flatnonzero(left).tolist() if not begins and self.ids[row] not in known]
-            if rows:
-                cut = np.frombuffer(section.marks, np.uint8)[rows] & records.TERMINATED == 0
-                gone = terminal([part[rows] for part in seen], rewards[rows], cut, self.ids[rows])
-                ended = gone if ended is None else both(ended, gone)
-        if self.here is None:
-            return Turn(decisions(seen, rewards, self.ids.copy(), masks), ended)
-        some = masks and [mask[self.here] for mask in masks]
-        here = [part[self.here] for part in seen]
-        return Turn(decisions(here, rewards[self.here], self.ids[self.here], some), ended)
+    def turn(self, section: Section, last: Section | None, begins: bool) -> scene_clock.Turn:
+        ended = self.ended(last) if last else None
+        everybody: Any = range(self.count)
+        self.rows_seen.take(section, everybody if begins else {*last.whose()} if last else NOBODY)
+        batch = self.rows_seen.batch()
+        masks = self.masks(section, batch) if self.branches else None
+        seen = self.seen.split(batch)
+        rewards = scene_clock.rewards_of(section)
+        if section.marks != self.all_seen or self.here is not None:
+            marks = np.frombuffer(section.marks, np.uint8)
+            away = marks & records.ABSENT > 0
+            left = away & ~self.away
+            if last:
+                left[np.asarray(last.whose())] = False
+            if left.any() and not begins:
+                cut = marks[left] & records.TERMINATED == 0
+                gone = terminal([part[left] for part in seen], rewards[left], cut, self.ids[left])
+                ended = both(ended, gone) if ended else gone
+            # Another one in its place has an id of its own.
+            for row in np.flatnonzero(self.away & ~away):
+                self.ids[row] = next(self.new_ids)
+            self.away = away
+            self.here = np.flatnonzero(~away) if away.any() else None
+        ids = self.ids.copy()
+        if self.here is not None:
+            seen = [part[self.here] for part in seen]
+            masks = masks and [mask[self.here] for mask in masks]
+            rewards = rewards[self.here]
+            ids = ids[self.here]
+        return DecisionSteps(seen, rewards, ids, masks, *scene_clock.no_groups(len(ids))), ended
 
-    def is_away(self) -> Any:
-        return np.zeros(self.count, bool) if self.away is None else self.away
-
-    def changed(self, marks: Any, new_ids: NewIds) -> Any:
-        """The rows whose agent has left just now. Another one in its place has an id of its own."""
-        before = self.is_away()
-        away = marks & records.ABSENT > 0
-        back = before & ~away
-        if back.any():
-            self.ids[back] = new_ids(int(back.sum()))
-        self.away = away if away.any() else None
-        self.here = None if self.away is None else np.flatnonzero(~away)
-        return away & ~before
-
-    def masks(self, section: Section, parts: list[Any]) -> list[Any] | None:
+    def masks(self, section: Section, batch: Any) -> list[Any]:
         """In ML-Agents True is forbidden, in Gymnasium 0."""
-        block = self.plain.allowed(parts) == 0 if self.plain.masks else np.zeros((self.count, self.choices), bool)
+        size = sum(self.branches)
+        block = batch[MASK].reshape(-1, size) == 0 if self.seen.masked else np.zeros((self.count, size), bool)
         for row, data in section.each_info() if section.table else ():
             info = info_in(data)
             if MASK in info:
                 allowed = np.concatenate([np.ravel(part) for part in info[MASK]], axis=None)
-                if allowed.shape != (self.choices,):
-                    raise MessageError(
-                        "bad-info", f"a mask of {self.name} has {self.choices} choices, not {allowed!s:.80}"
-                    )
+                if len(allowed) != size:
+                    why = f"a mask of {self.name} has {size} choices, not {allowed!s:.80}"
+                    raise MessageError("bad-info", why)
                 block[row] = allowed == 0
-        return branches_of(block, self.done.spec.discrete_branches)
+        return scene_clock.branches_of(block, self.branches)
 
-    def ended(self, section: Section, who: Any) -> TerminalSteps:
+    def ended(self, section: Section) -> TerminalSteps:
+        who = np.asarray(section.whose())
         if int(who.max()) >= self.count:
             raise MessageError("bad-record", f"agent {who.max()} of {self.count} cannot have ended")
-        seen = self.plain.split(self.seen.last(section))
+        seen = observations_of(self.space, self.kind)
+        seen.take(section)
+        batch = batches.together(self.space, [seen.one(row) for row in who.tolist()])
         marks = np.frombuffer(section.marks, np.uint8)
         # An end in the last step is no interruption.
         cut = marks & (records.TERMINATED | records.TRUNCATED) == records.TRUNCATED
-        return terminal(seen, rewards_of(section), cut, self.ids[who])
-
-
-def decisions(seen: list[Any], rewards: Any, ids: Any, masks: list[Any] | None) -> DecisionSteps:
-    count = len(ids)
-    return DecisionSteps(seen, rewards, ids, masks, np.zeros(count, np.int32), np.zeros(count, np.float32))
+        return terminal(self.seen.split(batch), scene_clock.rewards_of(section), cut, self.ids[who])
 
 
 def terminal(seen: list[Any], rewards: Any, cut: Any, ids: Any) -> TerminalSteps:
-    count = len(ids)
-    return TerminalSteps(seen, rewards, cut, ids, np.zeros(count, np.int32), np.zeros(count, np.float32))
+    return TerminalSteps(seen, rewards, cut, ids, *scene_clock.no_groups(len(ids)))
 
 
 def both(one: TerminalSteps, other: TerminalSteps) -> TerminalSteps:

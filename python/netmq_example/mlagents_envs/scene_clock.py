@@ -1,71 +1,81 @@
 """The scene's clock: it says in each answer who wants an action and who has ended, and which behaviors are new.
 
-wire/records.py has the columns. It needs numpy.
+A clock decides when an agent has its turn: environment.py steps by this one, or by Python's. `specs` and `turns` are by
+behavior. wire/records.py has the columns. It needs numpy.
 """
 
-from collections.abc import Mapping
+import math
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
 from netmq_example.messages import Message, MessageError, take
-from netmq_example.mlagents_envs.clock import PICTURE, Clock, Turn, as_picture, branches_of, channels_last, rewards_of
-from netmq_example.mlagents_envs.specs import (
-    ActionSpec,
-    ActionTuple,
-    BehaviorSpec,
-    DimensionProperty,
-    ObservationSpec,
-    ObservationType,
-)
-from netmq_example.mlagents_envs.steps import DecisionSteps, TerminalSteps
+from netmq_example.mlagents_envs import base_env
+from netmq_example.mlagents_envs.base_env import ActionTuple, DecisionSteps, DimensionProperty, TerminalSteps
 from netmq_example.wire import records, trees
 from netmq_example.wire.records import Record, Section, bad
 
+Ask = Callable[[Record], Record]
+# None: of nobody.
+Turn = tuple[DecisionSteps | None, TerminalSteps | None]
 
-class SceneClock(Clock):
+EQUIVARIANT = DimensionProperty.TRANSLATIONAL_EQUIVARIANCE
+# Of a picture [channels, height, width].
+PICTURE = (DimensionProperty.NONE, EQUIVARIANT, EQUIVARIANT)
+# Of so few rewards Python's own sum is faster than numpy, which is slow right after a wait.
+FEW = 32
+
+
+class SceneClock:
     def __init__(self, seed: int, channels_first: bool) -> None:
-        super().__init__()
         self.seed = seed
         self.channels_first = channels_first
+        self.specs = base_env.BehaviorMapping()
+        self.turns: dict[str, Turn] = {}
         # By number, which counts on as long as this simulator is here.
         self.behaviors: list[Behavior] = []
         self.begun = False
 
     def connected(self, hello: Message) -> None:
+        """Take a simulator, the first one or another; MessageError says why it is refused."""
+        if hello.values.get("clock") != "scene":
+            raise MessageError("other-clock", "the simulator before this one had the scene's clock: start that again")
         self.behaviors = []
         self.turns = {}
         self.begun = False
 
-    def reset(self) -> Record:
+    def reset(self, ask: Ask) -> None:
         # A simulator takes its seed once.
         said = b"" if self.begun else trees.write({"seed": self.seed})
-        return Record(records.ASKS, 0, [], records.SCENE_CLOCK | records.ANEW, said, b"")
+        self.read(ask(Record(records.ASKS, 0, [], records.SCENE_CLOCK | records.ANEW, said, b"")))
 
-    def step(self, actions: Mapping[str, ActionTuple]) -> Record:
+    def step(self, ask: Ask, actions: Mapping[str, ActionTuple]) -> None:
+        """Actions by behavior; where there are none, it is zeros."""
         sections = []
         for number, behavior in enumerate(self.behaviors):
-            decisions = self.turns[behavior.name].decisions
-            if behavior.name in actions and decisions is not None and (count := len(decisions)):
-                values = behavior.written(actions[behavior.name])
+            action = actions.get(behavior.name)
+            if action is not None and (count := len(action.continuous)):
+                values = behavior.written(action)
                 sections.append(Section(number, bytes(8 * count), bytes([records.STEP]) * count, values=values))
-        return Record(records.ASKS, 0, sections, records.SCENE_CLOCK, b"", b"")
+        self.read(ask(Record(records.ASKS, 0, sections, records.SCENE_CLOCK, b"", b"")))
 
-    def read(self, answer: Record, begins: bool) -> None:
+    def read(self, answer: Record) -> None:
         if not answer.bits & records.SCENE_CLOCK:
             raise MessageError("wrong-clock", "the answer is none of the scene's clock")
         if answer.said:
             self.add(trees.read(answer.said))
-        turns = {behavior.name: Turn() for behavior in self.behaviors}
+        turns: dict[str, Turn] = {}
         for section in answer.sections:
             if section.kind >= len(self.behaviors):
                 raise MessageError("wrong-agents", f"there is no behavior {section.kind} of {len(self.behaviors)}")
             behavior = self.behaviors[section.kind]
-            turn = turns[behavior.name]
+            now, ended = turns.get(behavior.name, (None, None))
             if section.columns & records.ENDED:
-                turn.ended = behavior.ended(section)
+                ended = behavior.ended(section)
             else:
-                turn.decisions = behavior.decisions(section)
+                now = behavior.decisions(section)
+            turns[behavior.name] = now, ended
         self.turns = turns
         self.begun = True
 
@@ -99,10 +109,10 @@ class Behavior:
             self.choices = sum(branches)
         except (TypeError, ValueError, KeyError) as error:
             raise MessageError("bad-kind", f"{self.name!a:.80} cannot be read: {error!s:.100}") from None
-        self.fields = [(f"{at}", one["dtype"] == "uint8") for at, one in enumerate(sensors)]
+        self.pictures = [one["dtype"] == "uint8" for one in sensors]
         self.turned = [not channels_first and spec.dimension_property == PICTURE for spec in specs]
         specs = [channels_last(spec) if turned else spec for spec, turned in zip(specs, self.turned, strict=True)]
-        self.spec = BehaviorSpec(specs, ActionSpec(floats, branches))
+        self.spec = base_env.BehaviorSpec(specs, base_env.ActionSpec(floats, branches))
 
     def written(self, action: ActionTuple) -> bytes:
         rows = np.empty(len(action.continuous), self.action)
@@ -111,21 +121,20 @@ class Behavior:
         return rows.tobytes()
 
     def decisions(self, section: Section) -> DecisionSteps:
-        ids, groups, group_rewards = self.who(section)
         masks = None
         if self.choices:
-            count = len(section.marks)
-            block = np.zeros((count, self.choices), bool)
+            block = np.zeros((len(section.marks), self.choices), bool)
             if section.columns & records.MASKS:
                 if len(section.masks) != block.size:
                     raise bad(f"masks of {self.name!a:.80} have {self.choices} choices")
                 block = np.frombuffer(section.masks, np.uint8).reshape(block.shape) > 0
             masks = branches_of(block, self.spec.action_spec.discrete_branches)
+        ids, groups, group_rewards = self.who(section)
         return DecisionSteps(self.seen(section), rewards_of(section), ids, masks, groups, group_rewards)
 
     def ended(self, section: Section) -> TerminalSteps:
-        ids, groups, group_rewards = self.who(section)
         cut = np.frombuffer(section.marks, np.uint8) & records.TRUNCATED > 0
+        ids, groups, group_rewards = self.who(section)
         return TerminalSteps(self.seen(section), rewards_of(section), cut, ids, groups, group_rewards)
 
     def who(self, section: Section) -> tuple[Any, Any, Any]:
@@ -135,25 +144,63 @@ class Behavior:
             raise bad("agents of the scene's clock have ids")
         ids = np.frombuffer(section.ids, np.int32).copy()
         if not section.columns & records.GROUPS:
-            return ids, np.zeros(count, np.int32), np.zeros(count, np.float32)
+            return ids, *no_groups(count)
         groups = np.frombuffer(section.groups, np.int32, count).copy()
         return ids, groups, np.frombuffer(section.groups, np.float32, count, 4 * count).copy()
 
     def seen(self, section: Section) -> list[Any]:
         if len(section.values) != len(section.marks) * self.row.itemsize:
             raise MessageError("not-in-space", f"{len(section.values)} bytes are not those that {self.name!a:.80} sees")
-        if not self.fields:
-            return []
-        rows = np.frombuffer(section.values, self.row)
-        seen = [as_picture(rows[field]) if is_bytes else rows[field].copy() for field, is_bytes in self.fields]
-        return [np.moveaxis(one, 1, -1) if turned else one for one, turned in zip(seen, self.turned, strict=True)]
+        # Of no sensors numpy reads no rows.
+        rows: Any = np.frombuffer(section.values, self.row) if self.pictures else None
+        seen = []
+        for at, (is_picture, turned) in enumerate(zip(self.pictures, self.turned, strict=True)):
+            part = rows[f"{at}"]
+            part = as_picture(part) if is_picture else part.copy()
+            seen.append(np.moveaxis(part, 1, -1) if turned else part)
+        return seen
 
 
-def sensor(described: Any) -> ObservationSpec:
+def sensor(described: Any) -> base_env.ObservationSpec:
     shape = tuple(described["shape"])
     if described["dtype"] not in ("float32", "uint8") or not shape or min(shape) < 0:
         raise ValueError(f"{described!a:.100} is no sensor")
     properties = tuple(DimensionProperty(flag) for flag in described["properties"])
     if len(properties) != len(shape):
         raise ValueError(f"{described!a:.100} has not a property for each dimension")
-    return ObservationSpec(shape, properties, ObservationType(described["type"]), str(described["name"]))
+    kind = base_env.ObservationType(described["type"])
+    return base_env.ObservationSpec(shape, properties, kind, str(described["name"]))
+
+
+def rewards_of(section: Section) -> Any:
+    rewards = np.frombuffer(section.numbers, np.float64).astype(np.float32)
+    if not math.isfinite(sum(rewards.tolist()) if len(rewards) < FEW else rewards.sum()):
+        raise MessageError("bad-reward", f"the rewards are {rewards!s:.80}")
+    return rewards
+
+
+def no_groups(count: int) -> tuple[Any, Any]:
+    """Groups, and their rewards."""
+    return np.zeros(count, np.int32), np.zeros(count, np.float32)
+
+
+def branches_of(block: Any, branches: tuple[int, ...]) -> list[Any]:
+    """A mask for each branch, of all masks side by side."""
+    masks = []
+    at = 0
+    for choices in branches:
+        masks.append(block[:, at : at + choices])
+        at += choices
+    return masks
+
+
+def as_picture(part: Any) -> Any:
+    """Bytes as numbers from 0 to 1."""
+    return np.true_divide(part, np.float32(255), dtype=np.float32, order="C")
+
+
+def channels_last(spec: base_env.ObservationSpec) -> base_env.ObservationSpec:
+    """As ML-Agents had pictures before 2024."""
+    first, *rest = spec.shape
+    channels, *others = spec.dimension_property
+    return spec._replace(shape=(*rest, first), dimension_property=(*others, channels))
