@@ -33,6 +33,9 @@ namespace MLAgentsWorlds
         public static int Run(string[] words)
         {
             var steps = int.MaxValue;
+            // Of a Play before, where statics are kept.
+            Wanted.Clear();
+            Agents.Clear();
             foreach (var word in words.TakeWhile(word => !word.StartsWith("--", StringComparison.Ordinal)))
                 if (word.Contains(": ")) Deeds.Add(word);
                 else if (word.StartsWith("steps=", StringComparison.Ordinal)) steps = int.Parse(word.Substring(6));

@@ -78,8 +78,8 @@ namespace NetMQExample.PlayTest
             Console.WriteLine("ready");
             foreach (var play in plays.GetConsumingEnumerable())
             {
-                if (words[0] == "keep") Main(play.Split(' '));
-                else PlayInDomain(play.Split(' '));
+                if (words[0] == "keep") Main(Words(play));
+                else PlayInDomain(Words(play));
                 Console.WriteLine("ready");
             }
             return 0;
@@ -90,11 +90,16 @@ namespace NetMQExample.PlayTest
         {
             for (var line = Console.ReadLine(); line != null && line != "end"; line = Console.ReadLine())
             {
-                if (line.StartsWith("play ", StringComparison.Ordinal)) plays.Add(line);
+                if (line.StartsWith("play ", StringComparison.Ordinal)
+                    || line.StartsWith("clock|", StringComparison.Ordinal)) plays.Add(line);
                 else Tell(line);
             }
             plays.CompleteAdding();
         }
+
+        // An agent of MLAgentsWorlds.cs is a word with blanks.
+        private static string[] Words(string play) =>
+            play.Split(play.StartsWith("clock|", StringComparison.Ordinal) ? '|' : ' ');
 
         private static void Tell(string line)
         {

@@ -1,0 +1,60 @@
+"""ML-Agents' shape from one Play to the next: with domain reload, and without it, where every static stays."""
+
+from __future__ import annotations
+
+import subprocess
+
+import pytest
+
+from tests.programs import LIMIT, steady_port
+from tests.unity.conftest import needs_mono
+
+pytest.importorskip("numpy", reason="ML-Agents' shape needs numpy: pip install numpy")
+
+from netmq_example.mlagents_envs.environment import UnityEnvironment
+
+PLAY = """
+| A init
+| A start
+| reset
+| A begin steps=0 sum=0 episodes=0
+| step 0
+| step 1
+| stop
+"""
+
+
+@pytest.mark.parametrize("runtime, mode", [("dotnet", "keep"), ("mono", "keep"), ("mono", "reload")])
+def test_each_play_begins_with_an_academy_of_its_own(runtime, mode, harness):
+    if runtime == "mono":
+        needs_mono()
+    # Nobody listens at the port 1.
+    plays = subprocess.run(
+        [runtime, harness, mode, "--mlagents-port", "1"],
+        input="clock|A|steps=2\n" * 3,
+        capture_output=True,
+        text=True,
+        timeout=LIMIT,
+    )
+    assert plays.returncode == 0, plays.stderr
+    told = [line for line in plays.stdout.splitlines() if line.startswith("| ")]
+    assert told == PLAY.split("\n")[1:-1] * 3
+    assert plays.stdout.count("no Python at tcp://127.0.0.1:1: Heuristic decides") == 3
+
+
+@pytest.mark.parametrize("runtime, mode", [("dotnet", "keep"), ("mono", "reload")])
+def test_each_play_finds_a_python_of_its_own(runtime, mode, play):
+    port = steady_port()
+    plays = play(mode, "--mlagents-port", f"{port}", runtime=runtime, stdin=subprocess.PIPE)
+    for _ in range(3):
+        before = len(plays.lines)
+        plays.process.stdin.write(f"clock|A period=2 numbers=1|--mlagents-port|{port}\n")
+        plays.process.stdin.flush()
+        env = UnityEnvironment(base_port=port, timeout_wait=LIMIT, seed=3)
+        env.reset()
+        for _ in range(3):
+            decisions, ends = env.get_steps("Ball?team=0")
+            assert (list(decisions.agent_id), list(ends.agent_id)) == ([0], [])
+            env.step()
+        env.close()
+        plays.wait_for(r"^\| stop$", start=before)
