@@ -6,7 +6,7 @@ Nothing is written before everything is at hand and nothing stands in the way: a
 import json
 import os
 import re
-from collections.abc import Iterator, Set
+from collections.abc import Iterator
 from pathlib import Path
 
 from kitlib.files import digest, news, place, put
@@ -30,14 +30,14 @@ def install(
     force: bool = False,
     scripts_only: bool = False,
     dlls: Path | None = None,
-    without: Set[str] = frozenset(),
+    there: Inventory | None = None,
 ) -> None:
     """Copy the package, or what one lesson needs of it, and the DLLs; a KitError says why not.
 
-    The DLLs come from the folder `dlls`, or else from NuGet. The packages `without` will leave the project.
+    The DLLs come from the folder `dlls`, or else from NuGet. `there`: what the project has, or will have.
     """
     root = find_project(project)
-    there = Inventory(root, without)
+    there = there or Inventory(root)
     if by := has_scripts(root):
         say(f"the scripts come from {by}: they are not copied")
         # Unity reads no link.xml in a package. Without our .meta, whose GUID the package's own file has.

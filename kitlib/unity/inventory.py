@@ -56,13 +56,13 @@ class Copy(NamedTuple):
 class Inventory:
     """A project's packages by name, with their versions, and its copies of the DLLs that the kit needs."""
 
-    def __init__(self, root: Path, without: Set[str] = frozenset()) -> None:
-        """`without`: packages that are about to leave, with all that they alone have brought along."""
+    def __init__(self, root: Path, without: Set[str] = frozenset(), kept: Set[str] = frozenset()) -> None:
+        """`without`: packages that are about to leave, with all that they alone have brought along but for `kept`."""
         # Unity writes down what it has resolved, also what a package brings along.
         locked = read_json(root / "Packages" / "packages-lock.json").get("dependencies") or {}
         named = {name: str(entry.get("version", "")) for name, entry in locked.items()} | dependencies(root)
         direct = {name for name, entry in locked.items() if not entry.get("depth")} | dependencies(root).keys()
-        gone = brought(locked, without) - brought(locked, direct - without)
+        gone = brought(locked, without) - brought(locked, direct - without | kept)
         named = {name: version for name, version in named.items() if name not in gone}
         cache = list((root / "Library" / "PackageCache").glob("*@*"))
         cache = [folder for folder in cache if folder.name.split("@")[0] not in gone]

@@ -109,6 +109,7 @@ def csharp(text: str, own: set[str], old: bool) -> Found:
             notes.append(Note(found.start(), "a text names ML-Agents: change it by hand if it is a type's name"))
     if edits:
         notes += [Note(at, f"the kit has no {name}: delete what uses it") for name, at in lacks.items()]
+    if edits or old:
         for pattern, what in FACTS["words"].items():
             notes += [Note(found.start(), what) for found in list(re.finditer(pattern, code))[:1]]
     return Found(edits, notes, Counter())
@@ -161,11 +162,6 @@ def models(text: str, code: str, usings: set[str]) -> Iterator[Edit]:
             yield Edit(found.start(), found[0], needed.pop())
         elif line := using_line(code, found.start()):
             yield whole_line(text, line)
-
-
-def uses_inference(text: str) -> bool:
-    """Whether the script, as it is, names Unity's inference package."""
-    return re.search(rf"(?<![\w.]){INFERENCE}\b", without_quiet(text)) is not None
 
 
 def yaml(text: str, ours: dict[str, str]) -> Found:
@@ -249,11 +245,15 @@ def without_entry(text: str, begin: int, end: int) -> Edit:
     return Edit(begin, text[begin:end], "")
 
 
-def manifest(text: str, names: set[str]) -> str:
-    """The project's manifest without these packages, and otherwise as it was."""
+def manifest(text: str, names: set[str], kept: dict[str, str]) -> str:
+    """The project's manifest without these packages, and with others in the place of the first; otherwise as it was."""
+    new = [f"{json.dumps(name)}: {json.dumps(version)}" for name, version in kept.items()]
     for name in sorted(names & json.loads(text.removeprefix("\ufeff")).get("dependencies", {}).keys()):
-        found = re.search(rf'"{re.escape(name)}"\s*:\s*"(?:\\.|[^"\\])*"', text)
-        if found:
-            edit = without_entry(text, found.start(), found.end())
+        found = re.search(rf'(\s*)"{re.escape(name)}"\s*:\s*"(?:\\.|[^"\\])*"', text)
+        if found and new:
+            text = f"{text[: found.end(1)]}{f',{found[1]}'.join(new)}{text[found.end() :]}"
+            new = []
+        elif found:
+            edit = without_entry(text, found.end(1), found.end())
             text = text[: edit.at] + text[edit.at + len(edit.old) :]
     return text

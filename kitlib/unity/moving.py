@@ -17,7 +17,8 @@ from kitlib.terminal import say
 from kitlib.unity import ml_agents
 from kitlib.unity.edits import Edit, applied, checksum, decoded, difference, encoded, reversed_
 from kitlib.unity.install import RECORD, delete, install
-from kitlib.unity.inventory import TARGET, dependencies
+from kitlib.unity.inventory import TARGET, Inventory, dependencies
+from kitlib.unity.leaving import Leaving, leaving
 from kitlib.unity.meta import own_guid
 from kitlib.unity.own_files import ML_AGENTS as PACKAGES
 from kitlib.unity.own_files import copies_of_ml_agents, is_link, own_files
@@ -28,7 +29,6 @@ from kitlib.unity.scripts import ML_AGENTS, scripts
 NOTES = f"{TARGET}/.{ML_AGENTS}.json"
 MANIFEST = "Packages/manifest.json"
 SCRIPT, SCENES, ASSEMBLY = ".cs", (".unity", ".prefab", ".asset", ".preset"), ".asmdef"
-INFERENCE = {"com.unity.barracuda", "com.unity.sentis", "com.unity.ai.inference"}
 FORCE_TEXT = (
     "it is no text and stays as it is: with ML-Agents still there choose Project Settings, Editor, Asset Serialization,"
     " Force Text, save the project, and run this again"
@@ -50,7 +50,8 @@ class Plan:
         self.left += [f"{copy}: this is ML-Agents itself: delete it in Unity" for copy in copies]
         texts = {name: decoded((root / name).read_bytes()) for name in files if name.endswith(SCRIPT)}
         own = set[str]().union(*map(ml_agents.namespaces, texts.values()))
-        old = not any("Unity.MLAgents" in text for text in texts.values())
+        everything = "\n".join(texts.values())
+        old = "using MLAgents" in everything and "Unity.MLAgents" not in everything
         for name, text in texts.items():
             self.add(name, text, ml_agents.csharp(text, own, old), "name")
         for name in files:
@@ -59,14 +60,23 @@ class Plan:
             more = f" and {len(self.notes_of_lfs) - 1} more" if len(self.notes_of_lfs) > 1 else ""
             what = "only Git LFS's note of it is here: run git lfs pull, and this again"
             self.left.append(f"{self.notes_of_lfs[0]}{more}: {what}")
-        named = dependencies(root).keys()
+        concerned = self.edits or dependencies(root).keys() & PACKAGES
         # Of a project that never had ML-Agents nothing is taken away; a copy of ML-Agents needs what it needs.
-        self.removed = (PACKAGES if copies or not (self.edits or named & PACKAGES) else self.packages(texts)) & named
-        if self.removed and (root / MANIFEST).is_symlink():
-            self.left.append(f"{MANIFEST}: it is a link: remove {', '.join(sorted(self.removed))} by hand")
-            self.removed = set()
-        if self.removed:
-            self.lines.append(f"{MANIFEST}: without {', '.join(sorted(self.removed))}")
+        self.packages = leaving(root, self.scripts_after(texts)) if concerned and not copies else Leaving(set(), {}, [])
+        self.left += self.packages.notes
+        if self.packages.removed and (root / MANIFEST).is_symlink():
+            self.left.append(f"{MANIFEST}: it is a link: remove {', '.join(sorted(self.packages.removed))} by hand")
+            self.packages = Leaving(set(), {}, [])
+        if self.packages.removed:
+            kept = f", with {', '.join(sorted(self.packages.kept))}" if self.packages.kept else ""
+            self.lines.append(f"{MANIFEST}: without {', '.join(sorted(self.packages.removed))}{kept}")
+
+    def scripts_after(self, texts: dict[str, str]) -> dict[str, str]:
+        """The code of the scripts, as it will be."""
+        return {
+            name: ml_agents.without_quiet(decoded(applied((self.root / name).read_bytes(), self.edits.get(name, []))))
+            for name in texts
+        }
 
     def add(self, name: str, text: str, found: ml_agents.Found, what: str) -> None:
         if found.edits:
@@ -99,16 +109,17 @@ class Plan:
 
     def do(self, force: bool, scripts_only: bool, dlls: Path | None) -> None:
         """Copy the kit and write the files, after noting down how to take it back."""
-        root, names = self.root, [*self.edits, *([MANIFEST] if self.removed else [])]
+        root, names = self.root, [*self.edits, *([MANIFEST] if self.packages.removed else [])]
         refuse_read_only(root, names)
         before = {name: (root / name).read_bytes() for name in {*names, MANIFEST} if (root / name).exists()}
         there = {*read_json(root / RECORD)}
-        install(root, ML_AGENTS, force, scripts_only, dlls, without=self.removed)
+        removed, kept, _ = self.packages
+        install(root, ML_AGENTS, force, scripts_only, dlls, Inventory(root, removed, kept.keys()))
         files = {name: applied(before[name], edits) for name, edits in self.edits.items()}
         edits = dict(self.edits)
         if MANIFEST in before:
             data = (root / MANIFEST).read_bytes()
-            files[MANIFEST] = encoded(ml_agents.manifest(decoded(data), self.removed), data)
+            files[MANIFEST] = encoded(ml_agents.manifest(decoded(data), removed, kept), data)
             edits[MANIFEST] = difference(before[MANIFEST], files[MANIFEST])
         entries = {
             name: {"before": checksum(before[name]), "after": checksum(data), "edits": edits[name]}
@@ -121,17 +132,6 @@ class Plan:
         (root / NOTES).write_text(json.dumps(notes, indent=1), encoding="utf-8")
         place(root, {name: files[name] for name in entries})
         say(f"changed {len(entries)} files; `{KIT} unity PATH --from {ML_AGENTS} --undo` takes it back")
-
-    def packages(self, texts: dict[str, str]) -> set[str]:
-        """The packages that nothing needs any more."""
-        users = []
-        for name in texts:
-            after = decoded(applied((self.root / name).read_bytes(), self.edits.get(name, [])))
-            users += [name] * ml_agents.uses_inference(after)
-        there = INFERENCE & dependencies(self.root).keys()
-        if users and there:
-            self.left.append(f"{users[0]}: it uses {', '.join(sorted(there))}, which stays")
-        return PACKAGES if users else PACKAGES | INFERENCE
 
 
 def move_in(project: Path, yes: bool, force: bool, scripts_only: bool, dlls: Path | None) -> None:

@@ -264,8 +264,25 @@ def test_assembly_definitions(move, project):
 )
 def test_the_manifest_keeps_its_look(before, after):
     names = {"com.unity.ml-agents", "com.unity.sentis", "not.there"}
-    text = ml_agents.manifest(before, names)
+    text = ml_agents.manifest(before, names, {})
     assert re.sub(r"\{\s*\}", "{}", text) == re.sub(r"\{\s*\}", "{}", after)
+
+
+def test_what_ml_agents_brought_and_the_project_uses_is_named(move, project):
+    """Unity would take it away with ML-Agents."""
+    use = "using Unity.Barracuda;\nusing Unity.Mathematics;\nusing Unity.MLAgents;\nclass A { IWorker worker; }\n"
+    put(project, {"Assets/Ball.cs": use})
+    put(project, {"Packages/manifest.json": '{"dependencies": {\n  "com.unity.ml-agents": "2.0.1",\n  "z": "1"}}'})
+    names = ("com.unity.barracuda", "com.unity.burst", "com.unity.mathematics")
+    lock = {name: {"version": "3.0.0", "depth": 1} for name in names}
+    lock |= {"com.unity.ml-agents": {"version": "2.0.1", "depth": 0, "dependencies": dict.fromkeys(names, "1")}}
+    said = move(yes=False)
+    assert "Assets/Ball.cs: it uses com.unity.mathematics, which came with ML-Agents: add it in Unity's Pack" in said
+    put(project, {"Packages/packages-lock.json": json.dumps({"dependencies": lock})})
+    assert "without com.unity.ml-agents, with com.unity.barracuda, com.unity.mathematics\n" in move()
+    found = json.loads((project / "Packages" / "manifest.json").read_text())["dependencies"]
+    assert found.items() >= {"com.unity.barracuda": "3.0.0", "com.unity.mathematics": "3.0.0", "z": "1"}.items()
+    assert not {"com.unity.ml-agents", "com.unity.burst"} & found.keys()
 
 
 def test_what_only_ml_agents_brought_is_added(move, project):
@@ -400,8 +417,10 @@ def test_a_project_without_ml_agents_stays_as_it_is(move, project):
     (project / "Assets" / "Ball.cs").unlink()
     (project / "Assets" / "Main.unity").unlink()
     put(project, {"Packages/manifest.json": '{"dependencies": {"com.unity.sentis": "2.0.0"}}'})
+    put(project, {"Assets/Task.cs": "class Task { void Run() { Done(); } ISensor sensor; }\n"})
     before = listing(project)
-    assert "nothing to change" in move()
+    said = move()
+    assert "nothing to change" in said and "left for you" not in said
     assert listing(project) == before
 
 
