@@ -3,6 +3,7 @@ their paths, loggers, timers, the registry. The environments are made up here, a
 """
 
 import importlib
+import pickle
 import pkgutil
 import subprocess
 import sys
@@ -35,11 +36,7 @@ from netmq_example.mlagents_envs.exception import (  # noqa: E402
     UnityEnvironmentException,
     UnityException,
 )
-from netmq_example.mlagents_envs.registry import (  # noqa: E402
-    LocalRegistryEntry,
-    UnityEnvRegistry,
-    default_registry,
-)
+from netmq_example.mlagents_envs.registry import LocalRegistryEntry, UnityEnvRegistry, default_registry  # noqa: E402
 from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager  # noqa: E402
 from netmq_example.mlagents_envs.side_channel.stats_side_channel import StatsSideChannel  # noqa: E402
 
@@ -452,18 +449,22 @@ def test_a_tree_of_timers():
 
 
 def test_a_workers_timers_are_merged():
-    worker, own = timers.TimerStack(), timers.TimerStack()
-    with timers.hierarchical_timer("step", worker):
-        timers.set_gauge("speed", 2.0, worker)
-    timers.set_gauge("speed", 5.0, own)
-    timers.merge_gauges(worker.gauges, own)
-    for _ in range(2):
-        timers.get_timer_root(own).merge(timers.get_timer_root(worker), root_name="worker")
-    tree = timers.get_timer_tree(own)
-    assert tree["children"]["worker"]["is_parallel"] and tree["children"]["worker"]["children"]["step"]["count"] == 2
+    with mock.patch.object(timers, "_get_thread_timer", return_value=timers.TimerStack()):
+        with timers.hierarchical_timer("step"):
+            timers.set_gauge("speed", 2.0)
+        worker, gauges = timers.get_timer_root(), timers._get_thread_timer().gauges
+    with mock.patch.object(timers, "_get_thread_timer", return_value=timers.TimerStack()):
+        timers.set_gauge("speed", 5.0)
+        timers.merge_gauges(gauges)
+        for _ in range(2):
+            timers.get_timer_root().merge(pickle.loads(pickle.dumps(worker)), root_name="worker")
+        tree = timers.get_timer_tree()
+    below = tree["children"]["worker"]
+    assert below["is_parallel"] and below["count"] == below["children"]["step"]["count"] == 2
     assert tree["gauges"]["speed"] == {"value": 2.0, "min": 2.0, "max": 5.0, "count": 2}
-    timers.reset_timers(own)
-    assert "children" not in timers.get_timer_tree(own)
+    added()
+    timers.reset_timers()
+    assert "children" not in timers.get_timer_tree()
     thread = threading.Thread(target=added)
     thread.start()
     thread.join()

@@ -17,8 +17,6 @@ import os
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from netmq_example import check
 from netmq_example.errors import Lost
 from netmq_example.messages import Message, MessageError
@@ -228,7 +226,8 @@ class UnityEnvironment(base_env.BaseEnv):
         if not self._begun:
             raise exception.NoSteps("call reset before get_steps")
         now, ended = self._clock.turns.get(behavior_name, NOBODY)
-        return now or base_env.DecisionSteps.empty(spec), ended or base_env.TerminalSteps.empty(spec)
+        now = base_env.DecisionSteps.empty(spec) if now is None else now
+        return now, base_env.TerminalSteps.empty(spec) if ended is None else ended
 
     def set_actions(self, behavior_name: str, action: Any) -> None:
         """An ActionTuple, or as early in 2020 an array. Before the first reset, and for nobody, nothing is set."""
@@ -269,7 +268,7 @@ def as_tuple(action: Any, spec: base_env.BehaviorSpec, count: int, name: str) ->
     size, branches = spec.action_spec.continuous_size, spec.action_spec.discrete_size
     if not hasattr(action, "discrete"):
         action = base_env.ActionTuple(action) if size else base_env.ActionTuple(discrete=action)
-    got = np.shape(action.continuous), np.shape(action.discrete)
+    got = getattr(action.continuous, "shape", ()), getattr(action.discrete, "shape", ())
     if got != ((count, size), (count, branches)):
         takes = f"{(count, size)} floats and {(count, branches)} whole numbers, [agents, size]"
         raise exception.UnityActionException(f"{name} takes {takes}, and not {got[0]} and {got[1]}")

@@ -11,7 +11,7 @@ It needs gymnasium and numpy.
 import functools
 import math
 import operator
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -24,31 +24,52 @@ from netmq_example.mlagents_envs.scene_clock import PICTURE, as_picture, channel
 
 # The last dimension of a picture.
 CHANNELS = (1, 3, 4)
+CURE = "take gymnasium.make"
+
+Maker = Callable[[Any, Any], Any]
 
 
 class Done:
     """Actions of a space: floats of each Box, and a branch for each number of all others."""
 
     def __init__(self, space: spaces.Space[Any]) -> None:
-        self.space = space
-        self.leaves = [leaf for _, leaf in leaves_of(space, "action", ())]
-        floats = sum(math.prod(leaf.shape) for leaf in self.leaves if isinstance(leaf, spaces.Box))
-        self.spec = ActionSpec(floats, tuple(choices for leaf in self.leaves for choices in choices_of(leaf)))
+        self.floats = 0
+        self.branches: list[int] = []
+        # It takes floats and whole numbers, [agents, size].
+        self.batch = self.maker(space)
+        self.spec = ActionSpec(self.floats, tuple(self.branches))
 
-    def batch(self, floats: Any, numbers: Any) -> Any:
-        """Of [agents, size] each."""
-        parts = []
-        for leaf in self.leaves:
-            size = math.prod(leaf.shape)
-            if isinstance(leaf, spaces.Box):
-                parts.append(floats[:, :size].reshape(-1, *leaf.shape))
-                floats = floats[:, size:]
-            else:
-                # They may begin elsewhere than at 0.
-                part = numbers[:, :size].reshape(-1, *leaf.shape) + getattr(leaf, "start", 0)
-                parts.append(part.astype(leaf.dtype, copy=False))
-                numbers = numbers[:, size:]
-        return nested(self.space, iter(parts))
+    def maker(self, space: Any) -> Maker:
+        match space:
+            case spaces.Dict():
+                parts = {key: self.maker(part) for key, part in space.items()}
+                return lambda floats, numbers: {key: make(floats, numbers) for key, make in parts.items()}
+            case spaces.Tuple():
+                items = [self.maker(part) for part in space]
+                return lambda floats, numbers: tuple(make(floats, numbers) for make in items)
+            case spaces.Box():
+                at = self.floats
+                self.floats = end = at + math.prod(space.shape)
+                shape = -1, *space.shape
+                return lambda floats, _: floats[:, at:end].reshape(shape)
+            case spaces.Discrete():
+                return self.choices(space, [int(space.n)])
+            case spaces.MultiDiscrete():
+                return self.choices(space, space.nvec.ravel().tolist())
+            case spaces.MultiBinary():
+                return self.choices(space, [2] * math.prod(space.shape))
+        raise MessageError("no-action", f"ML-Agents has no action {space!s:.80}: {CURE}")
+
+    def choices(self, space: Any, counts: list[int]) -> Maker:
+        at = len(self.branches)
+        self.branches += counts
+        end = len(self.branches)
+        shape = -1, *space.shape
+        # They may begin elsewhere than at 0.
+        start = getattr(space, "start", 0)
+        if not np.any(start):
+            return lambda _, numbers: numbers[:, at:end].reshape(shape).astype(space.dtype)
+        return lambda _, numbers: (numbers[:, at:end].reshape(shape) + start).astype(space.dtype)
 
 
 class Seen:
@@ -56,13 +77,14 @@ class Seen:
 
     def __init__(self, space: spaces.Space[Any], choices: int, channels_first: bool = True) -> None:
         self.channels_first = channels_first
-        self.leaves = dict(leaves_of(space, "observation", ()))
-        mask = self.leaves.get((MASK,))
+        leaves = dict(leaves_of(space, ()))
+        mask = leaves.get((MASK,))
         # Of another size it is something else.
         self.masked = bool(choices) and mask is not None and math.prod(mask.shape) == choices
         if self.masked:
-            del self.leaves[MASK,]
-        self.specs = [self.described(path, leaf) for path, leaf in self.leaves.items()]
+            del leaves[MASK,]
+        self.specs = [self.described(path, leaf) for path, leaf in leaves.items()]
+        self.readers = [(path, self.reader(leaf)) for path, leaf in leaves.items()]
 
     def described(self, path: tuple[Any, ...], leaf: Any) -> ObservationSpec:
         name = ".".join(map(str, path)) or "observation"
@@ -76,51 +98,26 @@ class Seen:
 
     def split(self, batch: Any) -> list[Any]:
         """An array for each observation; the batch belongs to nobody else."""
-        seen = []
-        for path, leaf in self.leaves.items():
-            part = functools.reduce(operator.getitem, path, batch)
-            if is_picture(leaf):
-                part = as_picture(np.moveaxis(part, 3, 1) if self.channels_first else part)
-            elif part.dtype != np.float32:
-                part = part.astype(np.float32)
-            seen.append(part if leaf.shape else part.reshape(-1, 1))
-        return seen
+        return [read(functools.reduce(operator.getitem, path, batch)) for path, read in self.readers]
+
+    def reader(self, leaf: Any) -> Callable[[Any], Any]:
+        if is_picture(leaf):
+            return lambda part: as_picture(np.moveaxis(part, 3, 1) if self.channels_first else part)
+        shape = -1, *(leaf.shape or (1,))
+        return lambda part: part.astype(np.float32, copy=False).reshape(shape)
 
 
 def is_picture(leaf: Any) -> bool:
     return len(leaf.shape) == 3 and leaf.dtype == np.uint8 and leaf.shape[2] in CHANNELS
 
 
-def choices_of(leaf: Any) -> list[int]:
-    """How many there are of each whole number of an action."""
-    match leaf:
-        case spaces.Discrete():
-            return [int(leaf.n)]
-        case spaces.MultiDiscrete():
-            return list(map(int, leaf.nvec.flat))
-        case spaces.MultiBinary():
-            return [2] * math.prod(leaf.shape)
-    return []
-
-
-def leaves_of(space: Any, which: str, path: tuple[Any, ...]) -> Iterator[tuple[tuple[Any, ...], Any]]:
+def leaves_of(space: Any, path: tuple[Any, ...]) -> Iterator[tuple[tuple[Any, ...], Any]]:
     match space:
         case spaces.Dict() | spaces.Tuple():
             for key, part in space.items() if isinstance(space, spaces.Dict) else enumerate(space):
-                yield from leaves_of(part, which, (*path, key))
+                yield from leaves_of(part, (*path, key))
         case spaces.Box() | spaces.Discrete() | spaces.MultiDiscrete() | spaces.MultiBinary():
             yield path, space
         case _:
             where = f" at {'.'.join(map(str, path))}" if path else ""
-            what = f"ML-Agents has no {which} {space!s:.80}{where}"
-            raise MessageError(f"no-{which}", f"{what}: take gymnasium.make")
-
-
-def nested(space: Any, parts: Iterator[Any]) -> Any:
-    """The parts of all leaves as a batch of the space."""
-    match space:
-        case spaces.Dict():
-            return {key: nested(part, parts) for key, part in space.items()}
-        case spaces.Tuple():
-            return tuple(nested(part, parts) for part in space)
-    return next(parts)
+            raise MessageError("no-observation", f"ML-Agents has no observation {space!s:.80}{where}: {CURE}")

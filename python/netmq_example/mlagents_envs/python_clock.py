@@ -104,17 +104,18 @@ class PythonClock:
         return Record(records.ASKS, 0, sections, records.AUTORESET)
 
     def read(self, answer: Record, begins: bool) -> None:
-        count = len(self.behaviors)
-        ends = {one.kind: one for one in answer.sections[count:] if one.columns & records.ENDED}
         turns = {}
+        self.away = None
+        ends = {one.kind: one for one in answer.sections[len(self.behaviors) :] if one.columns & records.ENDED}
         for behavior, section in zip(self.behaviors, answer.sections, strict=False):
             last = ends.get(section.kind)
             turns[behavior.name] = behavior.turn(section, last, begins)
             if last:
                 self.episodes.begun([behavior.kind.first + row for row in last.whose()])
+            if behavior.here is not None:
+                self.away = np.zeros(self.episodes.count, bool) if self.away is None else self.away
+                self.away[behavior.rows] = behavior.away
         self.turns = turns
-        somebody = any(behavior.here is not None for behavior in self.behaviors)
-        self.away = np.concatenate([behavior.away for behavior in self.behaviors]) if somebody else None
 
 
 class Behavior:

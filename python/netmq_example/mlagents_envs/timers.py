@@ -17,28 +17,11 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any, ParamSpec, TypeVar
-
-__all__ = [
-    "GaugeNode",
-    "TimerNode",
-    "TimerStack",
-    "add_metadata",
-    "get_timer_root",
-    "get_timer_stack_for_thread",
-    "get_timer_tree",
-    "hierarchical_timer",
-    "merge_gauges",
-    "reset_timers",
-    "set_gauge",
-    "timed",
-]
 
 P = ParamSpec("P")
 T = TypeVar("T")
-
-TIMER_FORMAT_VERSION = "0.1.0"
 
 
 @dataclass
@@ -50,103 +33,37 @@ class TimerNode:
     count: int = 0
     is_parallel: bool = False
 
-    def get_child(self, name: str) -> "TimerNode":
-        if name not in self.children:
-            self.children[name] = TimerNode()
-        return self.children[name]
-
-    def add_time(self, elapsed: float) -> None:
-        self.total += elapsed
-        self.count += 1
-
     def merge(self, other: "TimerNode", root_name: str | None = None, is_parallel: bool = True) -> None:
         """Adds another tree, below `root_name` if that is given."""
-        node = self.get_child(root_name) if root_name else self
+        node = self.children.setdefault(root_name, TimerNode()) if root_name else self
         node.total += other.total
         node.count += other.count
         node.is_parallel |= is_parallel
         for name, child in other.children.items():
-            node.get_child(name).merge(child, is_parallel=is_parallel)
+            node.merge(child, name, is_parallel)
 
     def tree(self) -> dict[str, Any]:
-        children = {name: child.tree() for name, child in self.children.items()}
-        own = self.total - sum(child["total"] for child in children.values())
-        found: dict[str, Any] = {"total": self.total, "count": self.count}
-        if self.is_parallel:
-            found["is_parallel"] = True
         # Blocks in parallel take longer together than the one around them.
-        found["self"] = max(0.0, own)
-        if children:
-            found["children"] = children
-        return found
-
-
-@dataclass
-class GaugeNode:
-    """The newest of some values, with the lowest and the highest."""
-
-    value: float
-    min: float = math.inf
-    max: float = -math.inf
-    count: int = 0
-
-    def update(self, new_value: float) -> None:
-        self.value = new_value
-        self.min = min(self.min, new_value)
-        self.max = max(self.max, new_value)
-        self.count += 1
-
-    def merge(self, other: "GaugeNode") -> None:
-        self.value = other.value
-        self.min = min(self.min, other.min)
-        self.max = max(self.max, other.max)
-        self.count += other.count
+        own = max(0.0, self.total - sum(child.total for child in self.children.values()))
+        parallel = {"is_parallel": True} if self.is_parallel else {}
+        below = {"children": {name: child.tree() for name, child in self.children.items()}} if self.children else {}
+        return {"total": self.total, "count": self.count, **parallel, "self": own, **below}
 
 
 class TimerStack:
-    """The blocks that are open on one thread; the functions below use it."""
+    """Of one thread: its tree, the blocks that are open, and its gauges."""
 
     def __init__(self) -> None:
-        self.reset()
-
-    def reset(self) -> None:
         self.root = TimerNode()
-        self.stack = [self.root]
-        self.start_time = time.perf_counter()
-        self.gauges: dict[str, GaugeNode] = {}
+        self.open = [self.root]
+        self.start = time.perf_counter()
+        self.gauges: dict[str, dict[str, float]] = {}
         self.metadata = {
-            "timer_format_version": TIMER_FORMAT_VERSION,
+            "timer_format_version": "0.1.0",
             "start_time_seconds": str(int(time.time())),
             "python_version": sys.version,
             "command_line_arguments": " ".join(sys.argv),
         }
-
-    def push(self, name: str) -> TimerNode:
-        self.stack.append(self.stack[-1].get_child(name))
-        return self.stack[-1]
-
-    def pop(self) -> None:
-        self.stack.pop()
-
-    def get_root(self) -> TimerNode:
-        self.root.total = time.perf_counter() - self.start_time
-        self.root.count = 1
-        return self.root
-
-    def get_timing_tree(self, node: TimerNode | None = None) -> dict[str, Any]:
-        if node is not None:
-            return node.tree()
-        self.metadata["end_time_seconds"] = str(int(time.time()))
-        gauges = {name: asdict(gauge) for name, gauge in self.gauges.items()}
-        beside: dict[str, Any] = {"gauges": gauges} if gauges else {}
-        return {"name": "root", **beside, "metadata": self.metadata, **self.get_root().tree()}
-
-    def set_gauge(self, name: str, value: float) -> None:
-        if not math.isnan(value):
-            self.gauges.setdefault(name, GaugeNode(value)).update(value)
-
-    def add_metadata(self, key: str, value: str) -> None:
-        self.metadata[key] = value
 
 
 STACKS: dict[int | None, TimerStack] = {}
@@ -164,16 +81,18 @@ def get_timer_stack_for_thread(t: threading.Thread) -> TimerStack | None:
 
 
 @contextlib.contextmanager
-def hierarchical_timer(name: str, timer_stack: TimerStack | None = None) -> Iterator[TimerNode]:
+def hierarchical_timer(name: str) -> Iterator[TimerNode]:
     """Adds the time of a block of code, also of one that raises."""
-    stack = timer_stack or _get_thread_timer()
-    node = stack.push(name)
+    blocks = _get_thread_timer().open
+    node = blocks[-1].children.setdefault(name, TimerNode())
+    blocks.append(node)
     start = time.perf_counter()
     try:
         yield node
     finally:
-        node.add_time(time.perf_counter() - start)
-        stack.pop()
+        node.total += time.perf_counter() - start
+        node.count += 1
+        blocks.pop()
 
 
 def timed(func: Callable[P, T]) -> Callable[P, T]:
@@ -187,27 +106,37 @@ def timed(func: Callable[P, T]) -> Callable[P, T]:
     return call
 
 
-def set_gauge(name: str, value: float, timer_stack: TimerStack | None = None) -> None:
-    (timer_stack or _get_thread_timer()).set_gauge(name, value)
+def set_gauge(name: str, value: float) -> None:
+    """The newest of some values, which is shown with the lowest and the highest."""
+    if not math.isnan(value):
+        merge_gauges({name: {"value": value, "min": value, "max": value, "count": 1}})
 
 
-def merge_gauges(gauges: dict[str, GaugeNode], timer_stack: TimerStack | None = None) -> None:
-    own = (timer_stack or _get_thread_timer()).gauges
-    for name, gauge in gauges.items():
-        own.setdefault(name, GaugeNode(gauge.value)).merge(gauge)
+def merge_gauges(gauges: dict[str, dict[str, float]]) -> None:
+    own = _get_thread_timer().gauges
+    for name, new in gauges.items():
+        old = own.get(name, {**new, "count": 0})
+        low, high = min(old["min"], new["min"]), max(old["max"], new["max"])
+        own[name] = {"value": new["value"], "min": low, "max": high, "count": old["count"] + new["count"]}
 
 
-def add_metadata(key: str, value: str, timer_stack: TimerStack | None = None) -> None:
-    (timer_stack or _get_thread_timer()).add_metadata(key, value)
+def add_metadata(key: str, value: str) -> None:
+    _get_thread_timer().metadata[key] = value
 
 
-def get_timer_tree(timer_stack: TimerStack | None = None) -> dict[str, Any]:
-    return (timer_stack or _get_thread_timer()).get_timing_tree()
+def get_timer_root() -> TimerNode:
+    stack = _get_thread_timer()
+    stack.root.total = time.perf_counter() - stack.start
+    stack.root.count = 1
+    return stack.root
 
 
-def get_timer_root(timer_stack: TimerStack | None = None) -> TimerNode:
-    return (timer_stack or _get_thread_timer()).get_root()
+def get_timer_tree() -> dict[str, Any]:
+    stack = _get_thread_timer()
+    metadata = {**stack.metadata, "end_time_seconds": str(int(time.time()))}
+    gauges = {"gauges": stack.gauges} if stack.gauges else {}
+    return {"name": "root", **gauges, "metadata": metadata, **get_timer_root().tree()}
 
 
-def reset_timers(timer_stack: TimerStack | None = None) -> None:
-    (timer_stack or _get_thread_timer()).reset()
+def reset_timers() -> None:
+    STACKS[threading.get_ident()] = TimerStack()

@@ -155,9 +155,9 @@ class Numbers(Codec):
         whole = np.iinfo(self.dtype) if self.dtype.kind in "iu" else None
         self.checked = not whole or bool(np.any(low > whole.min)) or bool(np.any(high < whole.max))
         # Of few numbers Python's own compare faster than numpy, which is slow right after a wait.
-        few = self.checked and self.count <= FEW
-        self.lows = np.broadcast_to(low, self.shape).ravel().tolist() if few else None
-        self.highs = np.broadcast_to(high, self.shape).ravel().tolist() if few else None
+        few = self.checked and 0 < self.count <= FEW
+        self.lows = np.broadcast_to(low, self.shape).ravel().tolist() if few else []
+        self.highs = np.broadcast_to(high, self.shape).ravel().tolist() if few else []
 
     def write(self, value: Any, parts: list[bytes]) -> None:
         if self.size == 8 and type(value) in WHOLE and self.single:
@@ -172,13 +172,7 @@ class Numbers(Codec):
         if at + self.size > len(view):
             raise ValueError("it ends too early")
         items: Any = np.ndarray(self.shape, self.dtype, view, at).copy()
-        if self.lows is None or self.highs is None:
-            self.check(items)
-        else:
-            numbers = items.ravel().tolist()
-            # NaN is not between any two numbers.
-            if not (all(map(operator.le, self.lows, numbers)) and all(map(operator.ge, self.highs, numbers))):
-                raise misfit(items, self.space)
+        self.check(items)
         return items[()] if self.single else items, at + self.size
 
     def write_block(self, count: int, values: Any, blocks: list[Any]) -> None:
@@ -198,8 +192,19 @@ class Numbers(Codec):
             raise misfit(np.asarray(value), self.space) from None
 
     def check(self, items: Any) -> None:
-        # NaN is not between any two numbers. Of a few numbers, as most have, all() would take twice as long.
-        if self.checked and b"\0" in ((items >= self.low) & (items <= self.high)).tobytes():
+        """Of one value, or of a batch."""
+        if not self.checked:
+            return
+        # NaN is not between any two numbers.
+        if self.lows and items.size <= FEW:
+            numbers = items.ravel().tolist()
+            times = len(numbers) // self.count
+            lows, highs = self.lows * times, self.highs * times
+            fits = all(map(operator.le, lows, numbers)) and all(map(operator.ge, highs, numbers))
+        else:
+            # Of a few numbers, as most have, all() would take twice as long.
+            fits = b"\0" not in ((items >= self.low) & (items <= self.high)).tobytes()
+        if not fits:
             raise misfit(items, self.space)
 
 
