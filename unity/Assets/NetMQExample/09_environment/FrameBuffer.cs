@@ -13,7 +13,7 @@ namespace NetMQExample
 
         public void Clear() => Count = 0;
 
-        // What was written from a place on is forgotten.
+        // Forgets the bytes from a place on.
         public void Cut(int count) => Count = count;
 
         public void Advance(int count) => Count += count;

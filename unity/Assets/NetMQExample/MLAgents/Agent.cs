@@ -16,8 +16,8 @@
 //         }
 //     }
 //
-// Use: put it on a GameObject with Behavior Parameters and a Decision Requester. What Python drives it by is
-// UnityEnvironment, or mlagents_learn. No name of a member is one of Unity's types, such as Random or Time.
+// Use: put it on a GameObject with Behavior Parameters and a Decision Requester. Python drives it by
+// UnityEnvironment, or by mlagents_learn. No name of a member is one of Unity's types, such as Random or Time.
 using System;
 using System.Collections.ObjectModel;
 using NetMQExample.MLAgents.Actuators;
@@ -97,7 +97,7 @@ namespace NetMQExample.MLAgents
         /// <summary>Acts once more in the next step, by the decision before.</summary>
         public void RequestAction() => Life.Request(false);
 
-        /// <summary>What CollectObservations has added last.</summary>
+        /// <summary>The numbers that CollectObservations has added last.</summary>
         public ReadOnlyCollection<float> GetObservations() => Life.Vector.GetObservations();
 
         /// <summary>The same with the observations before.</summary>

@@ -56,7 +56,7 @@ namespace NetMQExample.MLAgents
 
         public DiscreteActionMask Mask { get; private set; }
 
-        /// <summary>What it acts by; and what was decided last, by Python or by its Heuristic.</summary>
+        /// <summary>The actions that it acts by; and the last decision, Python's or its Heuristic's.</summary>
         public ActionBuffers Stored { get; private set; }
 
         public ActionBuffers Decided { get; private set; }
@@ -226,7 +226,7 @@ namespace NetMQExample.MLAgents
             finally { within = null; }
         }
 
-        // What was decided before a row counts no more for Python's agents; a heuristic's stays until its next decision.
+        // With a row Python's last decision counts no more; a heuristic's stays until its next one.
         private void Tell(bool wants, bool interrupted)
         {
             var clock = Academy.Instance.Clock;

@@ -21,7 +21,7 @@ namespace NetMQExample.MLAgents
         [FormerlySerializedAs("RepeatAction"), Tooltip("Whether it acts in the steps between as well")]
         public bool TakeActionsBetweenDecisions = true;
 
-        /// <summary>What a decision about asking may depend on.</summary>
+        /// <summary>The step for which it may ask.</summary>
         public struct DecisionRequestContext
         {
             /// <summary>Steps of the academy before this one.</summary>
