@@ -53,7 +53,7 @@ namespace NetMQExample.MLAgents
         /// <summary>Begins an episode. The first one begins in the first step, after every Start.</summary>
         public virtual void OnEpisodeBegin() { }
 
-        /// <summary>Adds what it sees; the sensor is null where Behavior Parameters has no vector observation.</summary>
+        /// <summary>Adds what it sees; the sensor is null if Behavior Parameters has no vector observation.</summary>
         public virtual void CollectObservations(VectorSensor sensor) { }
 
         /// <summary>Forbids choices of the next decision.</summary>

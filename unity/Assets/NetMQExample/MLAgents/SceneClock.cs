@@ -72,8 +72,8 @@ namespace NetMQExample.MLAgents
                 return Answered = true;
             }
             if (!request.SceneClock)
-                throw new MessageException("wrong-clock", "this scene goes by its own clock, as ML-Agents' do: drive it "
-                    + "by netmq_example.mlagents_envs.environment.UnityEnvironment");
+                throw new MessageException("wrong-clock", "this scene goes by its own clock, as ML-Agents' do: "
+                    + "drive it by netmq_example.mlagents_envs.environment.UnityEnvironment");
             if (!begun && !request.Resets) throw new MessageException("no-reset", "call reset before step");
             // Checked before anything is taken of it.
             for (var i = 0; i < request.Count; i++) Asked(request[i]).Check(request[i]);
