@@ -124,14 +124,20 @@ namespace NetMQExample.MLAgents
         {
             // One that is looked for by a beacon, or is wrong: the connection says so.
             if (!Uri.TryCreate(endpoint, UriKind.Absolute, out var place) || place.Scheme != "tcp") return true;
-            using var probe = new TcpClient();
             try
             {
-                var here = IPAddress.TryParse(place.Host, out var address) && IPAddress.IsLoopback(address);
-                return probe.ConnectAsync(place.Host, place.Port).Wait(here ? Near : Far);
+                var address = Dns.GetHostAddresses(place.Host)[0];
+                using var probe = new Socket(address.AddressFamily, SocketType.Stream, ProtocolType.Tcp) { Blocking = false };
+                try { probe.Connect(new IPEndPoint(address, place.Port)); }
+                catch (SocketException e) when (e.SocketErrorCode == SocketError.WouldBlock
+                    || e.SocketErrorCode == SocketError.InProgress) { /* It is on its way. */ }
+                // The system's own answer: one of a thread of .NET's comes too late where all cores are busy.
+                var wait = 1000 * (IPAddress.IsLoopback(address) ? Near : Far);
+                return probe.Poll(wait, SelectMode.SelectWrite)
+                    && (int)probe.GetSocketOption(SocketOptionLevel.Socket, SocketOptionName.Error) == 0;
             }
             // It is refused, or there is no such host.
-            catch (AggregateException) { return false; }
+            catch (SocketException) { return false; }
         }
     }
 }
