@@ -1,20 +1,27 @@
-"""The page "You come from ML-Agents": the log channel of its documentation runs, of early 2020 and of today, in both
-languages. Each line that names ML-Agents is replaced as the page says, and nothing else.
+"""The page "You come from ML-Agents": a project moves in as it says, its tables are true, and the log channel of
+ML-Agents' documentation runs, of early 2020 and of today, in both languages. Each line that names ML-Agents is replaced
+as the page says, and nothing else.
 """
 
 from __future__ import annotations
 
+import contextlib
+import importlib
 import re
+import threading
 
 import pytest
 
 from kitlib.docs import guide
-from kitlib.lessons import find
-from kitlib.unity.scripts import code, of_lesson, with_used
+from kitlib.unity import ml_agents
 from tests.conftest import PYTHON
-from tests.programs import LIMIT, ROOT, steady_port
+from tests.programs import LIMIT, ROOT, finished, steady_port
 
-pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
+gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
+
+from netmq_example.mlagents_envs.environment import UnityEnvironment  # noqa: E402
+from netmq_example.scene import EnvironmentClient  # noqa: E402
+from tests.lessons.scene_clock import Arena, ArenaSimulator, Walker  # noqa: E402
 
 GUIDE = ROOT / "docs" / "guide"
 PAGE = (GUIDE / "from_ml_agents.md").read_text(encoding="utf-8")
@@ -249,11 +256,166 @@ def test_the_page_says_each_replacement():
     assert f"`{RAW[1]}`" in PAGE
 
 
-def test_the_examples_that_the_page_lets_one_delete_are_used_by_nothing_else():
-    (listed,) = re.findall(r"delete the\s+examples: (.*?)\.$", PAGE, re.DOTALL | re.MULTILINE)
-    gone = re.findall(r"`(\w+)`", listed)
-    copied = {script for lesson in ("13", "9") for script in of_lesson(find(lesson).unity) if script.suffix == ".cs"}
-    left = {script for script in copied if not {script.stem, script.parent.name} & {*gone}}
-    assert all(any(name in (script.stem, script.parent.name) for script in copied) for name in gone)
-    # With what these use in turn.
-    assert set(with_used(sorted(left), "99", code)) == left
+CHASER = """using Unity.MLAgents;
+using Unity.MLAgents.Actuators;
+using Unity.MLAgents.Sensors;
+using UnityEngine;
+
+public class Chaser : Agent
+{
+    public Transform target;
+    private float speed;
+
+    public override void Initialize() =>
+        speed = Academy.Instance.EnvironmentParameters.GetWithDefault("speed", 2);
+
+    public override void OnEpisodeBegin()
+    {
+        transform.localPosition = Vector3.zero;
+        target.localPosition = new Vector3(Random.Range(-3f, 3f), 0, 0);
+    }
+
+    public override void CollectObservations(VectorSensor sensor)
+    {
+        sensor.AddObservation(transform.localPosition.x);
+        sensor.AddObservation(target.localPosition.x);
+    }
+
+    public override void OnActionReceived(ActionBuffers actions)
+    {
+        var push = Mathf.Clamp(actions.ContinuousActions[0], -1, 1);
+        transform.localPosition += Vector3.right * (push * speed * Time.deltaTime);
+        AddReward(-0.01f);
+        if (Mathf.Abs(transform.localPosition.x - target.localPosition.x) > 0.2f) return;
+        SetReward(1);
+        EndEpisode();
+    }
+
+    public override void Heuristic(in ActionBuffers actionsOut)
+    {
+        var continuous = actionsOut.ContinuousActions;
+        continuous[0] = Input.GetAxis("Horizontal");
+    }
+}
+"""
+PROJECT = {
+    "Assets/Chaser.cs": CHASER,
+    "Assets/Main.unity": """%YAML 1.1
+--- !u!114 &1
+MonoBehaviour:
+  m_Script: {fileID: 11500000, guid: 5d1c4e0b1822b495aa52bc52839ecb30, type: 3}
+  m_BrainParameters:
+    VectorObservationSize: 2
+    NumStackedVectorObservations: 1
+    m_ActionSpec:
+      m_NumContinuousActions: 1
+      BranchSizes:
+  m_BehaviorName: Chaser
+  m_BehaviorType: 0
+  TeamId: 0
+  m_Model: {fileID: 11400000, guid: 0123456789abcdef0123456789abcdef, type: 3}
+--- !u!114 &2
+MonoBehaviour:
+  m_Script: {fileID: 11500000, guid: 3a5c9d521e5ef4759a8246a07d52221e, type: 3}
+  DecisionPeriod: 5
+""",
+    "Packages/manifest.json": '{"dependencies": {"com.unity.ml-agents": "3.0.0"}}',
+    "ProjectSettings/ProjectVersion.txt": "m_EditorVersion: 2022.3.62f1\n",
+}
+BLOCKS = [*guide.blocks(GUIDE / "from_ml_agents.md")]
+LOOP, FIVE_VALUES = [block.body for block in BLOCKS if block.language == "python"]
+(BEHAVIOR,) = [block.body for block in BLOCKS if block.language == "csharp"]
+(SAID,) = [block.body for block in BLOCKS if block.body.startswith("kit ")]
+# Its port is this test's own; what it did is shown, and the player may compile for longer than it waits.
+SHOWN = """
+print(name, actions, decision_steps.obs[0].shape)
+"""
+
+
+def test_a_project_moves_in_as_the_page_says(tmp_path, start, console, netmq):
+    root = tmp_path / "My Game"
+    for name, text in PROJECT.items():
+        (root / name).parent.mkdir(parents=True, exist_ok=True)
+        (root / name).write_text(text, encoding="utf-8")
+    move = [PYTHON, ROOT / "kit.py", "unity", root, "--from", "ml-agents"]
+    said = iter(finished(move).stdout.splitlines())
+    assert [line for line in SAID.splitlines() if line != "..." and line not in said] == []
+    assert finished([*move, "--yes", "--scripts-only"]).returncode == 0
+    port = steady_port()
+    loop = LOOP.replace("UnityEnvironment()", f"UnityEnvironment(base_port={port}, timeout_wait={LIMIT})")
+    (tmp_path / "loop.py").write_text(loop.replace("env.close()", f"{SHOWN}env.close()"), encoding="utf-8")
+    (tmp_path / "Behavior.cs").write_text(BEHAVIOR, encoding="utf-8")
+    python = start(PYTHON, tmp_path / "loop.py", PYTHONPATH=str(ROOT / "python"))
+    files = [tmp_path / "Behavior.cs", root / "Assets" / "Chaser.cs"]
+    words = ["--target", "Target", "--mlagents-port", f"{port}"]
+    player = start(PYTHON, ROOT / "kit.py", "play", *files, *words)
+    assert python.wait(2 * LIMIT) == 0, python.output + player.output
+    assert player.wait() == 0, player.output
+    assert python.lines[-1].startswith("Chaser?team=0 ActionSpec(continuous_size=1"), python.output
+    assert re.search(r"\([01], 2\)$", python.lines[-1]), python.output
+    assert "Play ends: Python has closed it" in player.lines and "trouble" not in player.output
+
+
+@pytest.mark.parametrize("interrupted", [True, False])
+def test_the_pages_lines_have_gymnasiums_five_values(interrupted):
+    from gymnasium.utils.env_checker import check_env
+
+    port = steady_port()
+    client = EnvironmentClient(f"tcp://127.0.0.1:{port}", timeout=LIMIT)
+    simulator = ArenaSimulator(Arena(Walker("Ball", length=3, interrupted=interrupted)))
+
+    def serve():
+        with contextlib.suppress(TimeoutError):
+            client.run(simulator)
+
+    thread = threading.Thread(target=serve, daemon=True)
+    thread.start()
+    names = {}
+    exec(FIVE_VALUES, names)
+    env = names["FiveValues"](UnityEnvironment(base_port=port, timeout_wait=LIMIT))
+    try:
+        check_env(env, skip_render_check=True, skip_close_check=True)
+        env.reset()
+        ends = [env.step(env.action_space.sample())[2:4] for _ in range(3)]
+        assert ends == [(False, False)] * 2 + [(not interrupted, interrupted)]
+    finally:
+        env.close()
+        thread.join(LIMIT)
+
+
+def rows(title):
+    """The rows of a section's tables, each with what its cells have as code."""
+    section = PAGE.partition(f"\n## {title}\n")[2].partition("\n## ")[0]
+    lines = [line.strip("|").split("|") for line in section.split("\n") if line.startswith("| ") and "`" in line]
+    return [[re.findall("`([^`]+)`", cell) for cell in line] for line in lines]
+
+
+def test_the_modules_that_the_page_names_are_there():
+    for old, new, *_ in rows("What you change"):
+        for name in [*old, *new]:
+            whole = name if name[0] != "." else f"{(old if name in old else new)[0].rpartition('.')[0]}{name}"
+            if re.fullmatch(r"(netmq_example\.)?mlagents_envs[.\w]*", whole):
+                importlib.import_module(f"netmq_example.{whole.removeprefix('netmq_example.')}")
+
+
+def test_the_seven_words_of_the_page_are_what_the_command_says():
+    said = list(ml_agents.FACTS["words"].values())
+    found = 0
+    for (word, *_), (new, *_), *_ in rows("What you change"):
+        for line in said:
+            if line.startswith(word.partition("(")[0]):
+                assert new in line
+                found += 1
+    assert found == 7
+
+
+def test_each_line_that_the_page_quotes_is_one_of_the_kits():
+    folders = ("unity/Assets/NetMQExample/MLAgents", "kitlib/unity", "python/netmq_example/mlagents_envs")
+    files = [
+        path for folder in folders for path in ROOT.glob(f"{folder}/**/*") if path.suffix in (".cs", ".py", ".toml")
+    ]
+    # A text goes on in the next line of a source.
+    source = re.sub(r'"\s*\+?\s*\$?f?"', "", "".join(path.read_text(encoding="utf-8") for path in files))
+    for _, (line, *_), *_ in rows("What stays behind"):
+        for part in re.split(" ?…,? ?", line):
+            assert part in source, part
