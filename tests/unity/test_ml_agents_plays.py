@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 import subprocess
 
 import pytest
@@ -58,3 +59,17 @@ def test_each_play_finds_a_python_of_its_own(runtime, mode, play):
             env.step()
         env.close()
         plays.wait_for(r"^\| stop$", start=before)
+
+
+@pytest.mark.parametrize("says", [b"", b"\0\0\6\4"], ids=["nothing", "as gRPC does"])
+def test_a_program_without_zeromq_at_the_port_is_named(says, play):
+    """ML-Agents' own trainer, as a rule, which waits there for ML-Agents' own package."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port = server.getsockname()[1]
+        plays = play("keep", "--mlagents-port", f"{port}", stdin=subprocess.PIPE)
+        plays.process.stdin.write("clock|A|steps=2\n")
+        plays.process.stdin.flush()
+        with server.accept()[0] as other:
+            other.sendall(says)
+            plays.wait_for(rf"tcp://127.0.0.1:{port} speaks no ZeroMQ.*mlagents_learn")
+            plays.wait_for(r"^\| stop$")

@@ -1,7 +1,8 @@
 // ML-Agents' shape, the connection: whether Python is there is found out once, and from then on it decides.
 //
 // A build takes the port from --mlagents-port 5005, as ML-Agents' own, or the endpoint from --endpoint; the editor has
-// the port 5004. A ZeroMQ connection is never refused, so a plain one comes first: without Python Play begins at once.
+// the port 5004. A ZeroMQ connection is never refused, so a plain one comes first: without Python Play begins at once,
+// and ZeroMQ greets whoever comes, so another program, such as ML-Agents' own trainer, is known as soon.
 // The main thread waits in each step that has something to tell, but never for a Python that is gone.
 using System;
 using System.Diagnostics;
@@ -19,6 +20,8 @@ namespace NetMQExample.MLAgents
         private const int EditorPort = 5004;
         // Milliseconds: on Windows a refused connection of one's own machine takes two seconds.
         private const int Near = 300, Far = 3000;
+        // The first byte that ZeroMQ sends (ZMTP 3.1, section Greeting).
+        private const byte Greeting = 0xFF;
         private static readonly TimeSpan Patience = TimeSpan.FromSeconds(30);
 
         private readonly Handover handover = new Handover();
@@ -42,9 +45,13 @@ namespace NetMQExample.MLAgents
         {
             var endpoint = Endpoint();
             if (endpoint == null) return null;
-            if (!Listens(endpoint))
+            if (!Listens(endpoint, out var other))
             {
-                Debug.Log($"no Python at {endpoint}: Heuristic decides; to train, start Python before you press Play");
+                if (other)
+                    Debug.LogWarning($"trouble: the program at {endpoint} speaks no ZeroMQ, and Heuristic decides; to "
+                        + "train, start python -m netmq_example.mlagents_learn in place of mlagents-learn");
+                else
+                    Debug.Log($"no Python at {endpoint}: Heuristic decides; to train, start Python before you press Play");
                 return null;
             }
             var made = new SceneConnection(endpoint);
@@ -120,21 +127,28 @@ namespace NetMQExample.MLAgents
 #endif
         }
 
-        private static bool Listens(string endpoint)
+        // Whether ZeroMQ does, or another program.
+        private static bool Listens(string endpoint, out bool other)
         {
+            other = false;
             // One that is looked for by a beacon, or is wrong: the connection says so.
             if (!Uri.TryCreate(endpoint, UriKind.Absolute, out var place) || place.Scheme != "tcp") return true;
             try
             {
                 var address = Dns.GetHostAddresses(place.Host)[0];
-                using var probe = new Socket(address.AddressFamily, SocketType.Stream, ProtocolType.Tcp) { Blocking = false };
+                using var probe = new Socket(address.AddressFamily, SocketType.Stream, ProtocolType.Tcp);
+                probe.Blocking = false;
                 try { probe.Connect(new IPEndPoint(address, place.Port)); }
                 catch (SocketException e) when (e.SocketErrorCode == SocketError.WouldBlock
                     || e.SocketErrorCode == SocketError.InProgress) { /* It is on its way. */ }
                 // The system's own answer: one of a thread of .NET's comes too late where all cores are busy.
                 var wait = 1000 * (IPAddress.IsLoopback(address) ? Near : Far);
-                return probe.Poll(wait, SelectMode.SelectWrite)
-                    && (int)probe.GetSocketOption(SocketOptionLevel.Socket, SocketOptionName.Error) == 0;
+                if (!probe.Poll(wait, SelectMode.SelectWrite)
+                    || (int)probe.GetSocketOption(SocketOptionLevel.Socket, SocketOptionName.Error) != 0) return false;
+                var first = new byte[1];
+                other = !probe.Poll(1000 * Far, SelectMode.SelectRead) || probe.Receive(first) == 0
+                    || first[0] != Greeting;
+                return !other;
             }
             // It is refused, or there is no such host.
             catch (SocketException) { return false; }
