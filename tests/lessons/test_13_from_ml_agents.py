@@ -354,6 +354,8 @@ def test_a_project_moves_in_as_the_page_says(tmp_path, start, console, netmq):
     assert python.lines[-1].startswith("Chaser?team=0 ActionSpec(continuous_size=1"), python.output
     assert re.search(r"\([01], 2\)$", python.lines[-1]), python.output
     assert "Play ends: Python has closed it" in player.lines and "trouble" not in player.output
+    both = finished([PYTHON, ROOT / "kit.py", "play", *files, *words, "--add", "GymManager", "--seconds", "1"])
+    assert "such as a GymManager or one with side channels, has the connection" in both.stdout + both.stderr
 
 
 @pytest.mark.parametrize("interrupted", [True, False])
@@ -419,3 +421,8 @@ def test_each_line_that_the_page_quotes_is_one_of_the_kits():
     for _, (line, *_), *_ in rows("What stays behind"):
         for part in re.split(" ?…,? ?", line):
             assert part in source, part
+
+
+def test_an_academy_of_before_1_is_named():
+    found = ml_agents.csharp("using MLAgents;\nclass Mine : Academy { }\n", set(), True)
+    assert [note.text.partition(":")[0] for note in found.notes] == ["an Academy of your own is not needed any more"]

@@ -91,7 +91,8 @@ def read_hello(hello: Message, name: str) -> SceneHello:
             "old-record", f"the simulator speaks record {record!a:.20}, this environment {RECORD}: {cure}"
         )
     if hello.values.get("clock", "python") != "python":
-        raise MessageError("scene-clock", "this scene steps by its own clock, which only ML-Agents' classes follow")
+        cure = "take UnityEnvironment of netmq_example.mlagents_envs.environment"
+        raise MessageError("scene-clock", f"this scene steps by its own clock, as ML-Agents' do: {cure}")
     if len(hello.arrays) != 1:
         raise MessageError("no-spaces", f"a hello of {name} has one array, which describes its agents")
     described = trees.read(hello.arrays[0].data)
