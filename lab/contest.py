@@ -54,6 +54,7 @@ STEPS = [
     Contender(BARE.label, "trainer", "echo", "", "gymnasium"),
     Contender("lesson 09, C#", "trainer", "csharp", "", "gymnasium"),
     Contender("lesson 09, Python both sides", "trainer", "python", "", "gymnasium"),
+    Contender("ML-Agents' UnityEnvironment, C#", "trainer", "mlagents", "", "gymnasium"),
     *(
         Contender(label.format(count), "trainer", f"{name}@{count}", "", package)
         for count in (16, 64, 256)
@@ -63,6 +64,7 @@ STEPS = [
             ("lesson 10, {} agents, C#", "csharp", "gymnasium"),
         )
     ),
+    Contender("ML-Agents' UnityEnvironment, 16 agents, C#", "trainer", "mlagents@16", "", "gymnasium"),
     *(
         Contender(label.format(count), "trainer", f"{name}@{count}", "", "stable-baselines3")
         for count in (16, 64)

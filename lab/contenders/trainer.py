@@ -8,6 +8,8 @@ steps echo SECONDS           no environment: a DEALER in C# answers with as many
 steps echo@16 SECONDS        the bytes of sixteen agents in one message
 steps csharp SECONDS         lesson 09's simulator in C#; steps python the one in Python
 steps csharp@16 SECONDS      lesson 10's, with 16 agents in one message
+steps mlagents SECONDS       lesson 09's, by ML-Agents' UnityEnvironment: an action is set, a step done, its results got
+steps mlagents@16 SECONDS    lesson 10's, by the same
 steps dummy@16 SECONDS       Stable-Baselines3's DummyVecEnv, in this process; steps sb3@16 its UnityVecEnv
 steps player SECONDS         lesson 09's, as Unity steps it: in frames
 steps player+5 SECONDS       the same, while Python thinks for 5 ms after each step
@@ -34,6 +36,8 @@ import zmq  # noqa: E402
 from collector import ACTION, seen_space  # noqa: E402
 
 import netmq_example.envs  # noqa: E402, F401, it registers the environments.
+from netmq_example.mlagents_envs.base_env import ActionTuple  # noqa: E402
+from netmq_example.mlagents_envs.environment import UnityEnvironment  # noqa: E402
 from netmq_example.wire.records import ANSWERS, ASKS, SEEN, STEP, Record, Section  # noqa: E402
 
 CONSOLE, LAB = sys.argv[1:3]
@@ -79,6 +83,8 @@ def make(name: str) -> Any:
         return gymnasium.make_vec("CartPole-v1", int(count), "sync") if count else gymnasium.make("CartPole-v1")
     if where in ("dummy", "sb3"):
         return LearnersEnv(where, int(count))
+    if where == "mlagents":
+        return MLAgentsEnv(int(count or 1))
     if where == "coins":
         options: dict[str, Any] = {"env_name": "Coins", "observation_space": seen_space(False), "action_space": ACTION}
         options["launch"] = ["dotnet", CONSOLE, "11", *(["--agents", count] if count else [])]
@@ -122,6 +128,31 @@ class LearnersEnv:
 
     def close(self) -> None:
         self.envs.close()
+
+
+class MLAgentsEnv:
+    """ML-Agents' environment, with the words of Gymnasium."""
+
+    def __init__(self, count: int) -> None:
+        self.num_envs = count
+        program, *words = many(count) if count > 1 else ["dotnet", CONSOLE, "9"]
+        self.env = UnityEnvironment(program, additional_args=words)
+        self.name = ""
+
+    def reset(self, seed: int | None = None) -> tuple[Any, Any]:
+        self.env.reset()
+        (self.name,) = self.env.behavior_specs
+        return self.env.get_steps(self.name)[0].obs[0], {}
+
+    def step(self, actions: Any) -> tuple[Any, Any, bool, bool, Any]:
+        self.env.set_actions(self.name, ActionTuple(discrete=actions.reshape(-1, 1)))
+        self.env.step()
+        decisions, _ = self.env.get_steps(self.name)
+        # Whoever ends begins anew within the step.
+        return decisions.obs[0], decisions.reward, False, False, {}
+
+    def close(self) -> None:
+        self.env.close()
 
 
 def policy(env: Any, seen: Any) -> Any:

@@ -355,7 +355,7 @@ def another_kind(answer):
         (unknown_kind, "there is no behavior 5 of 1"),
         (no_ids, "agents of the scene's clock have ids"),
         (few_masks, "masks of .* have 3 choices"),
-        (not_finite, "the rewards are"),
+        (not_finite, "the reward is nan"),
         (no_clock, "the answer is none of the scene's clock"),
         (another_kind, "came twice"),
     ],

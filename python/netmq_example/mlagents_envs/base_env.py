@@ -7,6 +7,7 @@
 BaseEnv is what a wrapper or a trainer needs of an environment; environment.py has one. It needs numpy.
 """
 
+import functools
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -45,7 +46,7 @@ class _ActionTupleBase:
 
     def add_discrete(self, discrete: Any) -> None:
         given = np.asarray(discrete)
-        self.discrete = given.astype(self.discrete_dtype, copy=False)
+        self.discrete = given if given.dtype == self.discrete_dtype else given.astype(self.discrete_dtype)
         if given.dtype.kind not in "iub" and self.discrete_dtype == np.int32 and (self.discrete != given).any():
             raise UnityActionException(f"discrete actions are whole numbers, not {discrete!r:.60}")
         if self.continuous is None:
@@ -249,7 +250,12 @@ class TerminalSteps(Steps):
 
 def unseen(spec: BehaviorSpec) -> list[Any]:
     """Observations of no agent."""
-    return [np.zeros((0, *one.shape), np.float32) for one in spec.observation_specs]
+    return [nothing(one.shape) for one in spec.observation_specs]
+
+
+@functools.cache
+def nothing(shape: tuple[int, ...]) -> Any:
+    return np.zeros((0, *shape), np.float32)
 
 
 class BatchedStepResult(NamedTuple):

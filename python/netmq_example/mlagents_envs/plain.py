@@ -48,10 +48,9 @@ class Done:
                 items = [self.maker(part) for part in space]
                 return lambda floats, numbers: tuple(make(floats, numbers) for make in items)
             case spaces.Box():
-                at = self.floats
-                self.floats = end = at + math.prod(space.shape)
-                shape = -1, *space.shape
-                return lambda floats, _: floats[:, at:end].reshape(shape)
+                part = part_of(space, self.floats)
+                self.floats += math.prod(space.shape)
+                return lambda floats, _: part(floats)
             case spaces.Discrete():
                 return self.choices(space, [int(space.n)])
             case spaces.MultiDiscrete():
@@ -61,15 +60,21 @@ class Done:
         raise MessageError("no-action", f"ML-Agents has no action {space!s:.80}: {CURE}")
 
     def choices(self, space: Any, counts: list[int]) -> Maker:
-        at = len(self.branches)
+        part = part_of(space, len(self.branches))
         self.branches += counts
-        end = len(self.branches)
-        shape = -1, *space.shape
         # They may begin elsewhere than at 0.
         start = getattr(space, "start", 0)
         if not np.any(start):
-            return lambda _, numbers: numbers[:, at:end].reshape(shape).astype(space.dtype)
-        return lambda _, numbers: (numbers[:, at:end].reshape(shape) + start).astype(space.dtype)
+            return lambda _, numbers: part(numbers).astype(space.dtype)
+        return lambda _, numbers: (part(numbers) + start).astype(space.dtype)
+
+
+def part_of(space: Any, at: int) -> Callable[[Any], Any]:
+    """Takes the columns of a space, from this one on, out of [agents, size]."""
+    end = at + math.prod(space.shape)
+    shape = -1, *space.shape
+    # By fewer calls of numpy, which is slow right after a wait.
+    return (lambda rows: rows[:, at:end].reshape(shape)) if space.shape else lambda rows: rows[:, at]
 
 
 class Seen:
@@ -103,8 +108,10 @@ class Seen:
     def reader(self, leaf: Any) -> Callable[[Any], Any]:
         if is_picture(leaf):
             return lambda part: as_picture(np.moveaxis(part, 3, 1) if self.channels_first else part)
+        if leaf.dtype == np.float32 and leaf.shape:
+            return lambda part: part
         shape = -1, *(leaf.shape or (1,))
-        return lambda part: part.astype(np.float32, copy=False).reshape(shape)
+        return lambda part: part.astype(np.float32).reshape(shape)
 
 
 def is_picture(leaf: Any) -> bool:

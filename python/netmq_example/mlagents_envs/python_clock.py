@@ -60,6 +60,7 @@ class PythonClock:
             self.specs.update({behavior.name: behavior.spec for behavior in self.behaviors})
             self.episodes = Episodes(count, self.limit)
             self.episodes.plant(self.seed % 2**32, np.ones(count, bool))
+            self.seeds = self.episodes.next.tobytes()
         self.scene = scene
         # The agents that are not in the scene, and those that have stepped last; None for none, and for all.
         self.away: Any = None
@@ -72,7 +73,7 @@ class PythonClock:
         self.read(answer, True)
 
     def section(self, behavior: "Behavior", marks: bytes) -> Section:
-        return Section(behavior.kind.at, self.episodes.next[behavior.rows].tobytes(), marks)
+        return Section(behavior.kind.at, self.seeds[8 * behavior.rows.start : 8 * behavior.rows.stop], marks)
 
     def step(self, ask: scene_clock.Ask, actions: Mapping[str, ActionTuple]) -> None:
         """ValueError names an action that is not in its space: nothing has moved then."""
@@ -106,7 +107,8 @@ class PythonClock:
     def read(self, answer: Record, begins: bool) -> None:
         turns = {}
         self.away = None
-        ends = {one.kind: one for one in answer.sections[len(self.behaviors) :] if one.columns & records.ENDED}
+        more = answer.sections[len(self.behaviors) :]
+        ends = {one.kind: one for one in more if one.columns & records.ENDED} if more else {}
         for behavior, section in zip(self.behaviors, answer.sections, strict=False):
             last = ends.get(section.kind)
             turns[behavior.name] = behavior.turn(section, last, begins)
@@ -116,6 +118,9 @@ class PythonClock:
                 self.away = np.zeros(self.episodes.count, bool) if self.away is None else self.away
                 self.away[behavior.rows] = behavior.away
         self.turns = turns
+        if begins or ends or self.stepping is not None:
+            # Of the episodes that begin next.
+            self.seeds = self.episodes.next.tobytes()
 
 
 class Behavior:
@@ -131,7 +136,7 @@ class Behavior:
         self.rows = slice(kind.first, kind.first + self.count)
         self.everybody = bytes([records.STEP]) * self.count
         self.all_seen = bytes([records.SEEN]) * self.count
-        self.ids = np.arange(kind.first, kind.first + self.count, dtype=np.int32)
+        self.ids = frozen(np.arange(kind.first, kind.first + self.count, dtype=np.int32))
         # The rows whose agent is not in the scene, and those of the DecisionSteps, None for all.
         self.away = np.zeros(self.count, bool)
         self.here: Any = None
@@ -175,11 +180,13 @@ class Behavior:
                 gone = terminal([part[left] for part in seen], rewards[left], cut, self.ids[left])
                 ended = both(ended, gone) if ended else gone
             # Another one in its place has an id of its own.
-            for row in np.flatnonzero(self.away & ~away):
-                self.ids[row] = next(self.new_ids)
+            if (back := self.away & ~away).any():
+                ids = self.ids.copy()
+                ids[back] = list(itertools.islice(self.new_ids, int(back.sum())))
+                self.ids = frozen(ids)
             self.away = away
             self.here = np.flatnonzero(~away) if away.any() else None
-        ids = self.ids.copy()
+        ids = self.ids
         if self.here is not None:
             seen = [part[self.here] for part in seen]
             masks = masks and [mask[self.here] for mask in masks]
@@ -212,6 +219,12 @@ class Behavior:
         # An end in the last step is no interruption.
         cut = marks & (records.TERMINATED | records.TRUNCATED) == records.TRUNCATED
         return terminal(self.seen.split(batch), scene_clock.rewards_of(section), cut, self.ids[who])
+
+
+def frozen(ids: Any) -> Any:
+    """All steps have the same ones, so that nobody may write into them."""
+    ids.flags.writeable = False
+    return ids
 
 
 def terminal(seen: list[Any], rewards: Any, cut: Any, ids: Any) -> TerminalSteps:

@@ -4,6 +4,7 @@ A clock decides when an agent has its turn: environment.py steps by this one, or
 behavior. wire/records.py has the columns. It needs numpy.
 """
 
+import functools
 import math
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -15,6 +16,7 @@ from netmq_example.mlagents_envs import base_env
 from netmq_example.mlagents_envs.base_env import ActionTuple, DecisionSteps, DimensionProperty, TerminalSteps
 from netmq_example.wire import records, trees
 from netmq_example.wire.records import Record, Section, bad
+from netmq_example.wire.sections import rewards_in
 
 Ask = Callable[[Record], Record]
 # None: of nobody.
@@ -23,7 +25,7 @@ Turn = tuple[DecisionSteps | None, TerminalSteps | None]
 EQUIVARIANT = DimensionProperty.TRANSLATIONAL_EQUIVARIANCE
 # Of a picture [channels, height, width].
 PICTURE = (DimensionProperty.NONE, EQUIVARIANT, EQUIVARIANT)
-# Of so few rewards Python's own sum is faster than numpy, which is slow right after a wait.
+# So few rewards Python reads faster than numpy, which is slow right after a wait.
 FEW = 32
 
 
@@ -173,19 +175,26 @@ def sensor(described: Any) -> base_env.ObservationSpec:
 
 
 def rewards_of(section: Section) -> Any:
+    if len(section.marks) < FEW:
+        return np.array(rewards_in(section), np.float32)
     rewards = np.frombuffer(section.numbers, np.float64).astype(np.float32)
-    if not math.isfinite(sum(rewards.tolist()) if len(rewards) < FEW else rewards.sum()):
+    if not math.isfinite(rewards.sum()):
         raise MessageError("bad-reward", f"the rewards are {rewards!s:.80}")
     return rewards
 
 
+@functools.cache
 def no_groups(count: int) -> tuple[Any, Any]:
-    """Groups, and their rewards."""
-    return np.zeros(count, np.int32), np.zeros(count, np.float32)
+    """Groups, and their rewards. They are everybody's, so that nobody may write into them."""
+    groups, rewards = np.zeros(count, np.int32), np.zeros(count, np.float32)
+    groups.flags.writeable = rewards.flags.writeable = False
+    return groups, rewards
 
 
 def branches_of(block: Any, branches: tuple[int, ...]) -> list[Any]:
     """A mask for each branch, of all masks side by side."""
+    if len(branches) == 1:
+        return [block]
     masks = []
     at = 0
     for choices in branches:
