@@ -14,8 +14,6 @@ import sys
 from netmq_example.launch import game, start_program
 from netmq_example.mlagents_envs.exception import UnityEnvironmentException
 
-__all__ = ["get_platform", "launch_executable", "validate_environment_path"]
-
 ENDINGS = (".app", ".exe", ".x86_64", ".x86")
 
 

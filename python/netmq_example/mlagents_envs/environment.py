@@ -130,15 +130,11 @@ class UnityEnvironment(base_env.BaseEnv):
     def _accept(self, hello: Message) -> None:
         """Take a simulator, the first one or another; MessageError says why it is refused."""
         if self._clock is None:
+            kind: Any = scene_clock.SceneClock
             if hello.values.get("clock") != "scene":
                 # By name: it needs gymnasium.
-                module = importlib.import_module("netmq_example.mlagents_envs.python_clock")
-                self._clock = module.PythonClock(self._seed, self._max_step, self._channels_first, self._spaces)
-            elif self._max_step or self._spaces != (None, None):
-                cure = "its agents have Max Step and spaces of their own in the scene"
-                raise MessageError("scene-clock", f"max_episode_steps and spaces are for Python's clock: {cure}")
-            else:
-                self._clock = scene_clock.SceneClock(self._seed, self._channels_first)
+                kind = importlib.import_module("netmq_example.mlagents_envs.python_clock").PythonClock
+            self._clock = kind(self._seed, self._channels_first, self._max_step, self._spaces)
         self._clock.connected(hello)
 
     def _named(self, error: Exception, other: Any = exception.UnityCommunicationException) -> Exception:

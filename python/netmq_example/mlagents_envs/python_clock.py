@@ -35,7 +35,7 @@ Spaces = tuple[Space[Any] | None, Space[Any] | None]
 class PythonClock:
     """`given` are the spaces of agents whose scene says none, `limit` is how many steps an episode has, or 0."""
 
-    def __init__(self, seed: int, limit: int, channels_first: bool, given: Spaces) -> None:
+    def __init__(self, seed: int, channels_first: bool, limit: int, given: Spaces) -> None:
         self.seed = seed
         self.limit = limit
         self.channels_first = channels_first

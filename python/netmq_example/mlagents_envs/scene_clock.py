@@ -30,7 +30,10 @@ FEW = 32
 
 
 class SceneClock:
-    def __init__(self, seed: int, channels_first: bool) -> None:
+    def __init__(self, seed: int, channels_first: bool, limit: int, given: tuple[Any, Any]) -> None:
+        if limit or given != (None, None):
+            cure = "its agents have Max Step and spaces of their own in the scene"
+            raise MessageError("scene-clock", f"max_episode_steps and spaces are for Python's clock: {cure}")
         self.seed = seed
         self.channels_first = channels_first
         self.specs = base_env.BehaviorMapping()
