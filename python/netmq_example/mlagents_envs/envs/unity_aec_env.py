@@ -17,8 +17,6 @@ from netmq_example.mlagents_envs.envs.env_helpers import with_base
 from netmq_example.mlagents_envs.envs.unity_pettingzoo_base_env import UnityPettingzooBaseEnv
 from netmq_example.mlagents_envs.exception import UnityException
 
-__all__ = ["UnityAECEnv"]
-
 
 class UnityAECEnv(UnityPettingzooBaseEnv):
     """An agent that has ended takes its last turn with the action None."""
@@ -35,7 +33,7 @@ class UnityAECEnv(UnityPettingzooBaseEnv):
             raise UnityException("nobody is there: call reset before the next step")
         self._process_action(self._agents[self._agent_index], action)
         self._agent_index += 1
-        self._rewards = dict.fromkeys(self._rewards, 0.0)
+        self.rewards = dict.fromkeys(self.rewards, 0.0)
         if self._agent_index >= len(self._agents) and self._live_agents:
             self._step()
 
@@ -43,8 +41,8 @@ class UnityAECEnv(UnityPettingzooBaseEnv):
         return (
             self._observations[agent_id],
             self._cumm_rewards[agent_id],
-            self._dones[agent_id],
-            self._infos[agent_id],
+            self.dones[agent_id],
+            self.infos[agent_id],
         )
 
     def last(self, observe: bool = True) -> tuple[Any, float, bool, dict[str, Any]]:

@@ -10,7 +10,7 @@ netmq_example.envs has them.
 
 import itertools
 from collections.abc import Sequence
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -18,8 +18,6 @@ from netmq_example.mlagents_envs import logging_util
 from netmq_example.mlagents_envs.base_env import ActionTuple, BaseEnv, DecisionSteps, TerminalSteps
 from netmq_example.mlagents_envs.envs.env_helpers import find_spaces, with_base
 from netmq_example.mlagents_envs.exception import UnityException
-
-__all__ = ["ActionFlattener", "UnityGymException", "UnityToGymWrapper"]
 
 logger = logging_util.get_logger(__name__)
 
@@ -39,6 +37,7 @@ class UnityToGymWrapper:
     """
 
     reward_range = (-float("inf"), float("inf"))
+    metadata: ClassVar[dict[str, list[str]]] = {"render.modes": ["rgb_array"]}
 
     def __new__(cls, *args: object, **words: object) -> Self:
         # A program that knows gym may ask whether this is one of its environments.
@@ -76,10 +75,10 @@ class UnityToGymWrapper:
         unity_env.reset()
         self._previous_decision_step, _ = unity_env.get_steps(self.name)
         self._check_agents(len(self._previous_decision_step))
-        self._action_space = self.make_action_space(flatten_branched)
+        self.action_space = self.make_action_space(flatten_branched)
         if action_space_seed is not None:
-            self._action_space.seed(action_space_seed)
-        self._observation_space = self.make_observation_space()
+            self.action_space.seed(action_space_seed)
+        self.observation_space = self.make_observation_space()
 
     def make_action_space(self, flatten_branched: bool) -> Any:
         spaces, spec = find_spaces(), self.group_spec.action_spec
@@ -156,18 +155,6 @@ class UnityToGymWrapper:
 
     def close(self) -> None:
         self._env.close()
-
-    @property
-    def metadata(self) -> dict[str, list[str]]:
-        return {"render.modes": ["rgb_array"]}
-
-    @property
-    def action_space(self) -> Any:
-        return self._action_space
-
-    @property
-    def observation_space(self) -> Any:
-        return self._observation_space
 
 
 class ActionFlattener:

@@ -15,8 +15,6 @@ from netmq_example.mlagents_envs.envs.env_helpers import with_base
 from netmq_example.mlagents_envs.envs.unity_pettingzoo_base_env import UnityPettingzooBaseEnv
 from netmq_example.mlagents_envs.exception import UnityException
 
-__all__ = ["UnityParallelEnv"]
-
 
 class UnityParallelEnv(UnityPettingzooBaseEnv):
     """A step has an action for each of `agents`; who is left out gets zeros."""
@@ -38,5 +36,5 @@ class UnityParallelEnv(UnityPettingzooBaseEnv):
         for agent, action in actions.items():
             self._process_action(agent, action)
         self._step()
-        self._live_agents = [agent for agent in self._live_agents if not self._dones[agent]]
-        return self._observations, self._rewards, self._dones, self._infos
+        self._live_agents = [agent for agent in self._live_agents if not self.dones[agent]]
+        return self._observations, self.rewards, self.dones, self.infos

@@ -12,8 +12,6 @@ from netmq_example.mlagents_envs.base_env import ActionTuple, BaseEnv
 from netmq_example.mlagents_envs.envs.env_helpers import _agent_id_to_behavior, _behavior_to_agent_id, find_spaces
 from netmq_example.mlagents_envs.exception import UnityActionException, UnityException
 
-__all__ = ["UnityPettingzooBaseEnv"]
-
 
 class UnityPettingzooBaseEnv:
     """`seed` is that of the action spaces. Closing it closes the environment."""
@@ -42,10 +40,10 @@ class UnityPettingzooBaseEnv:
         self._agents: list[str] = []
         self._live_agents: list[str] = []
         self._observations: dict[str, Any] = {}
-        self._rewards: dict[str, float] = {}
+        self.rewards: dict[str, float] = {}
         self._cumm_rewards: dict[str, float] = {}
-        self._dones: dict[str, bool] = {}
-        self._infos: dict[str, dict[str, Any]] = {}
+        self.dones: dict[str, bool] = {}
+        self.infos: dict[str, dict[str, Any]] = {}
         # An agent's row in its behavior's actions.
         self._rows: dict[str, int] = {}
         self._current_action: dict[str, ActionTuple] = {}
@@ -91,10 +89,10 @@ class UnityPettingzooBaseEnv:
 
     def _process_action(self, current_agent: str, action: Any) -> None:
         """An agent that has ended takes None, and is gone."""
-        if self._dones[current_agent]:
+        if self.dones[current_agent]:
             self._live_agents.remove(current_agent)
             each: dict[str, Any]
-            for each in (self._observations, self._dones, self._rewards, self._cumm_rewards, self._infos):
+            for each in (self._observations, self.dones, self.rewards, self._cumm_rewards, self.infos):
                 del each[current_agent]
             return
         name, row = _agent_id_to_behavior(current_agent), self._rows[current_agent]
@@ -135,7 +133,7 @@ class UnityPettingzooBaseEnv:
                     self._take(agent, seen, decisions, row, {})
             for row, agent_id in enumerate(ends.agent_id):
                 agent = _behavior_to_agent_id(name, agent_id)
-                self._dones[agent] = True
+                self.dones[agent] = True
                 self._take(agent, [obs[row] for obs in ends.obs], ends, row, {"interrupted": ends.interrupted[row]})
         self._possible_agents.update(self._agents)
         self._live_agents = sorted(self._agents)
@@ -143,10 +141,10 @@ class UnityPettingzooBaseEnv:
     def _take(self, agent: str, seen: Any, steps: Any, row: int, more: dict[str, Any]) -> None:
         self._agents.append(agent)
         self._observations[agent] = seen[0] if len(seen) == 1 else seen
-        self._dones.setdefault(agent, False)
-        self._rewards[agent] = self._cumm_rewards[agent] = steps.reward[row]
+        self.dones.setdefault(agent, False)
+        self.rewards[agent] = self._cumm_rewards[agent] = steps.reward[row]
         group = {"group_id": steps.group_id[row], "group_reward": steps.group_reward[row]}
-        self._infos[agent] = {"behavior_name": _agent_id_to_behavior(agent), **group, **more}
+        self.infos[agent] = {"behavior_name": _agent_id_to_behavior(agent), **group, **more}
 
     def reset(self) -> Any:
         self._assert_loaded()
@@ -154,7 +152,7 @@ class UnityPettingzooBaseEnv:
         self._possible_agents = set()
         self._env.reset()
         self._update()
-        self._rewards = dict.fromkeys(self._agents, 0.0)
+        self.rewards = dict.fromkeys(self._agents, 0.0)
         self._cumm_rewards = dict.fromkeys(self._agents, 0.0)
 
     def seed(self, seed: int | None = None) -> None:
@@ -174,18 +172,6 @@ class UnityPettingzooBaseEnv:
     def possible_agents(self) -> list[str]:
         """All that were there since the last reset."""
         return sorted(self._possible_agents)
-
-    @property
-    def dones(self) -> dict[str, bool]:
-        return dict(self._dones)
-
-    @property
-    def rewards(self) -> dict[str, float]:
-        return dict(self._rewards)
-
-    @property
-    def infos(self) -> dict[str, dict[str, Any]]:
-        return dict(self._infos)
 
     def close(self) -> None:
         if not self.is_closed:
