@@ -288,12 +288,16 @@ def test_what_ml_agents_brought_and_the_project_uses_is_named(move, project):
 def test_what_only_ml_agents_brought_is_added(move, project):
     """Its own packages leave with it, and the kit needs some of them."""
     brought = {"com.unity.modules.physics": "1.0.0", "com.unity.nuget.newtonsoft-json": "3.2.1"}
-    lock = {"com.unity.ml-agents": {"depth": 0, "dependencies": brought}, **{name: {"depth": 1} for name in brought}}
+    both = {"com.unity.modules.jsonserialize": "1.0.0"}
+    lock = {name: {"depth": 1} for name in brought | both}
+    lock |= {"com.unity.ml-agents": {"depth": 0, "dependencies": brought | both}}
+    lock |= {"com.unity.ugui": {"depth": 0, "dependencies": both}}
     put(project, {"Packages/packages-lock.json": json.dumps({"dependencies": lock})})
     unsafe = "Library/PackageCache/com.unity.barracuda@3.0.0/System.Runtime.CompilerServices.Unsafe.dll"
     put(project, {unsafe: b"MZ", f"{unsafe}.meta": "guid: 1"})
     move()
-    assert "newtonsoft-json" in (project / "Packages" / "manifest.json").read_text()
+    found = json.loads((project / "Packages" / "manifest.json").read_text())["dependencies"]
+    assert "com.unity.nuget.newtonsoft-json" in found and not both.keys() & found.keys(), "ugui brings it as well"
     assert (project / TARGET / "Plugins" / Path(unsafe).name).exists()
 
 
@@ -367,7 +371,7 @@ def test_nothing_behind_a_link_is_changed(move, project, tmp_path):
     (project / "Assets" / "Shared").symlink_to(outside)
     (project / "Assets" / "Mine.cs").symlink_to(outside / "Mine.cs")
     move()
-    assert (outside / "Mine.cs").read_text() == AGENT
+    assert (outside / "Mine.cs").read_text() == AGENT and (project / "Assets" / "Mine.cs").is_symlink()
     (project / "Assets").rename(tmp_path / "Assets")
     (project / "Assets").symlink_to(tmp_path / "Assets")
     with pytest.raises(KitError, match=r"^Assets is a link to .*: nothing was changed"):
