@@ -14,7 +14,8 @@ namespace MLAgentsWorlds
     /// <summary>As many were written in 2020.</summary>
     public class Old : Agent
     {
-        public override void OnActionReceived(float[] vectorAction) => Told.Write($"{name} act {Shown(vectorAction)}");
+        public override void OnActionReceived(float[] vectorAction) =>
+            Told.Write($"{name} act {Shown(vectorAction)}");
 
         public override void Heuristic(float[] actionsOut)
         {
@@ -33,7 +34,8 @@ namespace MLAgentsWorlds
         public override void OnActionReceived(ActionBuffers actions) => Told.Write($"{name} act");
     }
 
-    /// <summary>It has Unity's messages for itself, as public agents have them: private, and without override.</summary>
+    /// <summary>It has Unity's messages for itself, as public agents have them: private, without
+    /// override.</summary>
     public class Messages : Agent
     {
         private bool fixedOnce, updatedOnce;

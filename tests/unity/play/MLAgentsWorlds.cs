@@ -74,12 +74,14 @@ namespace MLAgentsWorlds
             parameters.BrainParameters.VectorObservationSize = Number("size", 1);
             parameters.BrainParameters.NumStackedVectorObservations = Number("stack", 1);
             parameters.BrainParameters.ActionSpec = new ActionSpec(
-                Number("numbers", wanted.ContainsKey("branches") ? 0 : 1), Of("branches", "").Split(new[] { 'x' }, StringSplitOptions.RemoveEmptyEntries).Select(int.Parse).ToArray());
-            var agent = (Agent)thing.AddComponent(typeof(Told).Assembly.GetType($"MLAgentsWorlds.{Of("class", "Told")}"));
+                Number("numbers", wanted.ContainsKey("branches") ? 0 : 1),
+                Words(Of("branches", ""), 'x').Select(int.Parse).ToArray());
+            var script = typeof(Told).Assembly.GetType($"MLAgentsWorlds.{Of("class", "Told")}");
+            var agent = (Agent)thing.AddComponent(script);
             Agents[name] = agent;
             agent.MaxStep = Number("max", 0);
             if (agent is Told told) told.see = Number("see", Number("size", 1));
-            foreach (var sensor in Of("sensors", "").Split(new[] { '+' }, StringSplitOptions.RemoveEmptyEntries))
+            foreach (var sensor in Words(Of("sensors", ""), '+'))
                 AddSensor(thing, sensor);
             if (wanted.ContainsKey("solid"))
             {
@@ -100,8 +102,12 @@ namespace MLAgentsWorlds
         private static void Want(string word)
         {
             var parts = word.Split(' ');
-            Wanted.Add(parts[0], parts.Skip(1).Select(part => part.Split('=')).ToDictionary(part => part[0], part => part.Last()));
+            var settings = parts.Skip(1).Select(part => part.Split('='));
+            Wanted.Add(parts[0], settings.ToDictionary(part => part[0], part => part.Last()));
         }
+
+        private static string[] Words(string text, char between) =>
+            text.Split(new[] { between }, StringSplitOptions.RemoveEmptyEntries);
 
         // Such as Zoo, below the agent, and -Zoo, which is switched off.
         private static void AddSensor(GameObject agent, string sensor)
