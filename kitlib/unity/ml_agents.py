@@ -1,4 +1,4 @@
-"""What changes in the files of a project that comes from ML-Agents, and what a person must change there.
+"""The changes in the files of a project that comes from ML-Agents, and those that a person must make there.
 
 Each function takes a file's text and returns its edits, and lines for a person: each a position and what to do there.
 """

@@ -25,7 +25,7 @@ from kitlib.unity.own_files import copies_of_ml_agents, is_link, own_files
 from kitlib.unity.project import find_project
 from kitlib.unity.scripts import ML_AGENTS, scripts
 
-# What this command has changed, and copied. Unity ignores names that begin with a dot.
+# The changes and copies that this command has made. Unity ignores names that begin with a dot.
 NOTES = f"{TARGET}/.{ML_AGENTS}.json"
 MANIFEST = "Packages/manifest.json"
 SCRIPT, SCENES, ASSEMBLY = ".cs", (".unity", ".prefab", ".asset", ".preset"), ".asmdef"

@@ -452,7 +452,7 @@ def test_the_copied_scripts_are_no_lessons_examples():
 
 
 def test_each_component_of_the_kit_is_found():
-    """Whatever the kit has of ML-Agents' components has its GUID in the table, and one class each."""
+    """Each of ML-Agents' components that the kit has is one class, with its GUID in the table."""
     for name in OURS.keys() & set(ml_agents.FACTS["types"]["names"].split()):
         (path,) = PACKAGE.glob(f"MLAgents/**/{name}.cs")
         is_component = re.search(rf"(?<!abstract )class {name} : \w*(Behaviour|SensorComponent\w*)\b", path.read_text())
