@@ -148,7 +148,7 @@ class MLAgentsEnv:
         self.env.set_actions(self.name, ActionTuple(discrete=actions.reshape(-1, 1)))
         self.env.step()
         decisions, _ = self.env.get_steps(self.name)
-        # Whoever ends begins anew within the step.
+        # An agent that ends begins anew within the step.
         return decisions.obs[0], decisions.reward, False, False, {}
 
     def close(self) -> None:

@@ -73,7 +73,7 @@ def test_what_an_extra_brings_is_named_where_it_is_missing(module, absent, cure)
     needs = {"envs": ["numpy", "gymnasium"], "web": ["aiohttp"]}.get(module.split(".")[0], ["numpy", "gymnasium"])
     if lacking := python_setup.not_found(PYTHON, [need for need in needs if need != absent]):
         pytest.skip(f"without them it stops before: pip install {' '.join(lacking)}")
-    # What ML-Agents' classes need of envs needs no gymnasium: its own are loaded when they are first used.
+    # The parts of envs that ML-Agents' classes need take no gymnasium: the others are loaded when they are first used.
     name = "from netmq_example.envs import UnityGymEnv" if module == "envs" else f"import netmq_example.{module}"
     code = f"import sys; sys.modules[{absent!r}] = None; {name}"
     said = finished([PYTHON, "-c", code], cwd=ROOT / "python").stderr.splitlines()[-1]

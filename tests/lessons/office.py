@@ -28,7 +28,7 @@ class Clerk(Agent):
         self.office = office
         self.period = period
         self.letters: list[str] = []
-        # Whom it ends when it begins next.
+        # The agent that it ends when it begins next.
         self.foe: Agent | None = None
 
     def note(self, what: str) -> None:

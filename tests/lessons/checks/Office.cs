@@ -79,7 +79,7 @@ namespace NetMQExample.Tests
         private double drawn;
         private int ticks;
         private string plan;
-        // Whom it ends when it begins next.
+        // The agent that it ends when it begins next.
         private Clerk foe;
 
         public Clerk(string name, Office office, int period = 1) : base(name, period) => this.office = office;

@@ -64,7 +64,7 @@ namespace NetMQExample
         public void Read(ReadOnlyMemory<byte> action, object form, bool keep)
         {
             Acts = true;
-            // What was received goes with its message.
+            // The received bytes go with their message.
             if (keep) action = action.ToArray();
             kept = keep ? action : (ReadOnlyMemory<byte>?)null;
             this.form = form;

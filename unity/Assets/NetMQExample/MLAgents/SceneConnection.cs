@@ -140,7 +140,8 @@ namespace NetMQExample.MLAgents
                 probe.Blocking = false;
                 try { probe.Connect(new IPEndPoint(address, place.Port)); }
                 catch (SocketException e) when (e.SocketErrorCode == SocketError.WouldBlock
-                    || e.SocketErrorCode == SocketError.InProgress) { /* It is on its way. */ }
+                    || e.SocketErrorCode == SocketError.InProgress)
+                { /* It is on its way. */ }
                 // The system's own answer: one of a thread of .NET's comes too late where all cores are busy.
                 var wait = 1000 * (IPAddress.IsLoopback(address) ? Near : Far);
                 if (!probe.Poll(wait, SelectMode.SelectWrite)
