@@ -43,6 +43,16 @@ def test_each_play_begins_with_an_academy_of_its_own(runtime, mode, harness):
     assert plays.stdout.count("no Python at tcp://127.0.0.1:1: Heuristic decides") == 3
 
 
+def test_an_episode_that_ends_after_the_last_step_takes_nothing_from_the_next_play(harness):
+    """In OnDisable the academy of this Play is gone."""
+    words = ["dotnet", harness, "keep", "--mlagents-port", "1"]
+    plays = subprocess.run(
+        words, input="clock|A|A off 1: end|steps=2\n" * 2, capture_output=True, text=True, timeout=LIMIT
+    )
+    assert plays.returncode == 0, plays.stderr
+    assert plays.stdout.count("no Python at tcp://127.0.0.1:1: Heuristic decides") == 2, plays.stdout
+
+
 @pytest.mark.parametrize("runtime, mode", [("dotnet", "keep"), ("mono", "reload")])
 def test_each_play_finds_a_python_of_its_own(runtime, mode, play):
     port = steady_port()

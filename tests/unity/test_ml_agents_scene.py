@@ -116,6 +116,23 @@ def test_a_branch_without_a_choice_throws(world):
     assert "UnityAgentsException" in run.program.output and "branch 1" in run.program.output
 
 
+def test_what_one_agent_throws_is_its_own_alone(world):
+    """Others are not observed twice, and Python hears of them in the same step."""
+    words = [f"{name} period=1 branches=2x2" for name in "BAC"]
+    run = world(*words, "A mask 2: forbid 1 0, forbid 1 1")
+    run.reset()
+    assert [row.id for row in run.step()] == [0, 2]
+    assert [row.id for row in run.step()] == [0, 1, 2]
+    run.told()
+
+
+def test_an_agent_that_leaves_while_it_is_observed_wants_nothing_more(world):
+    run = world("A period=1", "B period=1", "A see 2: off")
+    run.reset()
+    assert [row[:2] for row in run.step()] == [("ended", 0), ("wants", 1)]
+    run.told()
+
+
 def test_an_observation_that_is_no_number_throws_with_the_name_of_the_method(world):
     run = world("A period=1 size=1 see=0", "A see 1: observe NaN, observe 2")
     run.reset()

@@ -19,7 +19,7 @@ import zmq
 from netmq_example import check
 from netmq_example.envs.common import OtherSide, no_others
 from netmq_example.envs.connection import Accept, Connection
-from netmq_example.errors import Lost
+from netmq_example.errors import Lost, Timeout
 from netmq_example.finalizers import finalizer
 from netmq_example.launch import END_SECONDS, QUIET, end_program, program, say_waiting, start_program, why_ended
 from netmq_example.messages import LIMIT, Message, MessageError
@@ -107,8 +107,15 @@ class Simulators:
                 return ask(lost)
             except Lost as why:
                 lost = why
-                self.find(accept)
+                self.find_after(lost, accept)
         return ask(lost)
+
+    def find_after(self, lost: Lost, accept: Accept) -> None:
+        """Timeout says as well why the one before was lost."""
+        try:
+            self.find(accept)
+        except Timeout as error:
+            raise Timeout(f"{error}; the one before is lost: {lost}") from None
 
     def end(self) -> None:
         if self.process:

@@ -31,7 +31,8 @@ namespace MLAgentsWorlds
         public static void Add(string word)
         {
             var parts = word.Split(new[] { ": " }, 2, StringSplitOptions.None);
-            All.Add(parts[0], parts[1]);
+            // As it was in the Play before, where statics are kept.
+            All[parts[0]] = parts[1];
         }
 
         public static bool Any(Agent agent, string call, int number) => Of(agent, call, number).Any();

@@ -56,7 +56,7 @@ namespace NetMQExample
             }, 4 * Message.LimitBytes);
         }
 
-        // Whether an environment that is lost is the last one.
+        // Whether an environment that is lost, or refuses this simulator, is the last one.
         internal bool Once { get; set; }
 
         /// <summary>Serves until it is closed.</summary>
@@ -84,7 +84,7 @@ namespace NetMQExample
                     // A refusal is told at once, and once; it says more than the silence that may come after it.
                     if (e is MessageException && why != e.Message) report($"trouble: {e.Message}");
                     if (e is MessageException || why == Nothing) why = e.Message;
-                    if (Once && welcomed) throw;
+                    if (Once && (welcomed || e is MessageException)) throw;
                     // A peer that refuses at once is not asked again at once.
                     stop.WaitHandle.WaitOne(timeout < Try ? timeout : Try / 5);
                 }

@@ -26,7 +26,13 @@ namespace NetMQExample.MLAgents
                 if (instance != null) return instance;
                 // Set before it awakes: what awakes with it may ask for it.
                 var made = instance = new Academy();
-                made.Awaken();
+                try { made.Awaken(); }
+                catch
+                {
+                    // Such as in a constructor, or on another thread: Unity allows nothing there.
+                    instance = null;
+                    throw;
+                }
                 return made;
             }
         }

@@ -25,6 +25,9 @@ namespace NetMQExample.MLAgents
         private bool begun, stepping, asleep;
         private int ids;
 
+        private static readonly Action<AgentLife> Anew = agent => agent.BeginAnew(), Observe = agent => agent.Observe(),
+            Act = agent => agent.Act();
+
         // True from the end of a Play on: what an OnDisable asks for then must not look for Python once more.
         private static bool over;
 
@@ -79,13 +82,14 @@ namespace NetMQExample.MLAgents
             try
             {
                 if (!begun) BeginAnew();
-                AgentPreStep?.Invoke(StepCount);
+                try { AgentPreStep?.Invoke(StepCount); }
+                catch (Exception e) { Debug.LogException(e); }
                 StepCount++;
                 TotalStepCount++;
                 foreach (var agent in Turn(turn)) agent.CountStep();
-                foreach (var agent in Turn(turn)) agent.Observe();
+                Each(turn, Observe);
                 Decide();
-                foreach (var agent in Turn(turn)) agent.Act();
+                Each(turn, Act);
             }
             finally { stepping = false; }
         }
@@ -107,7 +111,8 @@ namespace NetMQExample.MLAgents
 
         partial void Awaken()
         {
-            if (!Application.isPlaying || over) return;
+            asleep = !Application.isPlaying || over;
+            if (asleep) return;
             Application.quitting += End;
 #if UNITY_EDITOR
             UnityEditor.AssemblyReloadEvents.beforeAssemblyReload += End;
@@ -143,7 +148,12 @@ namespace NetMQExample.MLAgents
 
         // Where Unity keeps statics, the Play before this one has set it.
         [RuntimeInitializeOnLoadMethod(RuntimeInitializeLoadType.SubsystemRegistration)]
-        private static void BeginPlay() => over = false;
+        private static void BeginPlay()
+        {
+            over = false;
+            // One that was asked for after that, or while nothing played.
+            if (instance != null && instance.asleep) instance.Dispose();
+        }
 
         private void End()
         {
@@ -169,7 +179,8 @@ namespace NetMQExample.MLAgents
                     asked = true;
                     if (connection.Exchange()) BeginAnew();
                 }
-                agent.Decide();
+                try { agent.Decide(); }
+                catch (Exception e) { agent.Tell(e); }
             }
             // Nobody takes what channels have to say.
             if (connection == null && !carried) SideChannelManager.GetSideChannelMessage();
@@ -179,9 +190,18 @@ namespace NetMQExample.MLAgents
         {
             StepCount = 0;
             EpisodeCount++;
-            OnEnvironmentReset?.Invoke();
-            foreach (var agent in Turn(beginning)) agent.BeginAnew();
             begun = true;
+            try { OnEnvironmentReset?.Invoke(); }
+            catch (Exception e) { Debug.LogException(e); }
+            Each(beginning, Anew);
+        }
+
+        // An exception in one agent's method is that agent's alone: what the others have told goes to Python, once.
+        private void Each(List<AgentLife> those, Action<AgentLife> call)
+        {
+            foreach (var agent in Turn(those))
+                try { call(agent); }
+                catch (Exception e) { agent.Tell(e); }
         }
     }
 }

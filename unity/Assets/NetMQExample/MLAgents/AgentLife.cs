@@ -93,8 +93,8 @@ namespace NetMQExample.MLAgents
             Id = academy.Join(this);
             AgentOfOld.LookForHidden(agent);
             ReloadPolicy();
-            agent.Initialize();
-            Sensors = SensorList.Of(agent, Parameters, out Vector, out Stacked);
+            try { agent.Initialize(); }
+            finally { Sensors = SensorList.Of(agent, Parameters, out Vector, out Stacked); }
             // Until the first step nobody begins: that is for when all are there.
             if (academy.TotalStepCount > 0) BeginEpisode();
         }
@@ -154,10 +154,15 @@ namespace NetMQExample.MLAgents
 
         public void CountStep() => StepCount++;
 
+        /// <summary>Says what one of its methods has thrown.</summary>
+        public void Tell(Exception mistake) => Debug.LogException(mistake, agent);
+
         public void Observe()
         {
             if (!requestsDecision || !lives) return;
             Collect();
+            // It may have left meanwhile.
+            if (!lives) return;
             Mask.Clear();
             if (Spec.NumDiscreteActions > 0) agent.WriteDiscreteActionMask(Mask);
             Mask.Check();

@@ -26,7 +26,7 @@ namespace NetMQExample.MLAgents.Sensors
             var components = parameters.UseChildSensors
                 ? agent.GetComponentsInChildren<SensorComponent>()
                 : agent.GetComponents<SensorComponent>();
-            foreach (var component in components) all.AddRange(component.CreateSensors());
+            foreach (var component in components) all.AddRange(Made(component));
             var sizes = parameters.BrainParameters;
             vector = sizes.VectorObservationSize > 0 ? new VectorSensor(sizes.VectorObservationSize) : null;
             stacked = vector != null && sizes.NumStackedVectorObservations > 1
@@ -42,6 +42,15 @@ namespace NetMQExample.MLAgents.Sensors
                 Debug.LogError($"{agent.name}: actuators of one's own do not act here: move what they do into "
                     + "OnActionReceived, and their actions into Behavior Parameters", agent);
             return all;
+        }
+
+        private static ISensor[] Made(SensorComponent component)
+        {
+            var made = component.CreateSensors();
+            if (made == null || Array.IndexOf(made, null) >= 0)
+                throw new UnityAgentsException($"{component.name}: CreateSensors of {component.GetType().Name} has "
+                    + "returned null: return an array of sensors");
+            return made;
         }
     }
 }
