@@ -275,7 +275,7 @@ def test_a_client_leaves_after_so_many_episodes(kind, start, client_command, mak
         env.reset()
         env.reset()
         env.unwrapped.simulators.wait = 0.3
-        with pytest.raises(TimeoutError, match="no simulator came.*; the one before is lost: "):
+        with pytest.raises(TimeoutError, match=r"no simulator came.*; the one before is lost: "):
             env.reset()
         assert client.wait() == 0
         assert client.lines[-1].endswith("done: 2 episodes, 0 steps")
