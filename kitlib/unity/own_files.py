@@ -47,7 +47,8 @@ def walk(root: Path, top: str) -> Iterator[str]:
         folders.sort()
         folders[:] = [name for name in folders if not ignored(name)]
         for name in sorted(files):
-            if not ignored(name) and not (here / name).is_symlink():
+            # A pipe or a socket would never end.
+            if not ignored(name) and (here / name).is_file() and not (here / name).is_symlink():
                 yield (here / name).relative_to(root).as_posix()
 
 

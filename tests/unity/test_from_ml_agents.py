@@ -365,7 +365,8 @@ def test_the_notes_of_anybody_write_nothing_elsewhere(move, project, tmp_path):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="links need a right there")
-def test_nothing_behind_a_link_is_changed(move, project, tmp_path):
+def test_a_link_and_a_pipe_are_no_files_of_the_project(move, project, tmp_path):
+    os.mkfifo(project / "Assets" / "pipe.cs")
     outside = tmp_path / "shared"
     put(outside, {"Mine.cs": AGENT})
     (project / "Assets" / "Shared").symlink_to(outside)
