@@ -166,7 +166,12 @@ def models(text: str, code: str, usings: set[str]) -> Iterator[Edit]:
 
 def yaml(text: str, ours: dict[str, str]) -> Found:
     """A scene, prefab or asset."""
-    edits, notes, components = [], [], Counter[str]()
+    edits: list[Edit] = []
+    notes: list[Note] = []
+    components: Counter[str] = Counter()
+    # A scene may have many megabytes, and most assets have nothing of it.
+    if "ML-Agents" not in text and not any(guid in text for guid in FACTS["scripts"]):
+        return Found(edits, notes, components)
     lacking: dict[str, list[int]] = {}
     for found in re.finditer(rf"(?<=guid: )(?:{'|'.join(FACTS['scripts'])})\b", text):
         name = FACTS["scripts"][found[0]]

@@ -45,6 +45,7 @@ class Plan:
         self.components: Counter[str] = Counter()
         self.lines: list[str] = []
         self.notes_of_lfs: list[str] = []
+        self.guids = ml_agents.guids(root)
         copies = sorted(set(copies_of_ml_agents(root)))
         files = list(own_files(root, copies))
         self.left += [f"{copy}: this is ML-Agents itself: delete it in Unity" for copy in copies]
@@ -98,7 +99,7 @@ class Plan:
             if data.startswith(b"version https://git-lfs"):
                 self.notes_of_lfs.append(name)
             elif data.removeprefix(b"\xef\xbb\xbf").startswith(b"%YAML"):
-                self.add(name, decoded(data), ml_agents.yaml(decoded(data), ml_agents.guids(self.root)), "component")
+                self.add(name, decoded(data), ml_agents.yaml(decoded(data), self.guids), "component")
             elif ml_agents.in_binary(data):
                 self.left.append(f"{name}: {FORCE_TEXT}")
         elif name.endswith(ASSEMBLY):

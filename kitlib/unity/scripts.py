@@ -115,6 +115,8 @@ def types_of(text: str) -> list[str]:
 def uses(code: str, name: str) -> bool:
     """True if the code names this class: `e.Message` does not name the class Message, nor does a member of that name
     and of another type."""
+    if name not in code:
+        return False
     if re.search(rf"\b(?!(?:{name}|new|return|public|internal|private)\b)\w+ {name}(?: {{ get|\(|;)", code):
         return False
     return re.search(rf"(?<![\w.]){name}\b(?!:)", code) is not None
