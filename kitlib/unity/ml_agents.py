@@ -108,7 +108,8 @@ def csharp(text: str, own: set[str], old: bool) -> Found:
         if found[0][0] != "/" and re.search(r"Unity\.ML-?Agents\b", found[0]):
             notes.append(Note(found.start(), "a text names ML-Agents: change it by hand if it is a type's name"))
     if edits:
-        notes += [Note(at, f"the kit has no {name}: delete what uses it") for name, at in lacks.items()]
+        cures = FACTS["cures"]
+        notes += [Note(at, f"the kit has no {name}: {cures.get(name, cures['else'])}") for name, at in lacks.items()]
     if edits or old:
         for pattern, what in FACTS["words"].items():
             notes += [Note(found.start(), what) for found in list(re.finditer(pattern, code))[:1]]

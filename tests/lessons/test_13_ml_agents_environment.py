@@ -348,6 +348,12 @@ def another_kind(answer):
     answer.said = trees.write({"kinds": [other]})
 
 
+def no_choices(answer):
+    from netmq_example.wire import trees
+
+    answer.said = trees.write({"kinds": [{**Walker("Cube").described(), "branches": [-1]}]})
+
+
 @pytest.mark.parametrize(
     ("change", "why"),
     [
@@ -358,6 +364,7 @@ def another_kind(answer):
         (not_finite, "the reward is nan"),
         (no_clock, "the answer is none of the scene's clock"),
         (another_kind, "came twice"),
+        (no_choices, "a branch has at least one choice"),
     ],
 )
 def test_a_wrong_answer_is_said_in_one_line_and_a_reset_goes_on(change, why, connected):
@@ -679,6 +686,10 @@ def test_what_is_wrong_is_said_in_one_line(corridor, connected):
     shapes = re.escape(f"Corridor?team=0 takes {takes}, and not (1, 3) and (1, 0)")
     with pytest.raises(ValueError, match=f"^{shapes}$"):
         env.set_actions(name, np.zeros((1, 3)))
+    with pytest.raises(UnityActionException, match=r"^Corridor\?team=0 takes an ActionTuple, not \[\[1\], \[2, 3\]\]"):
+        env.set_actions(name, [[1], [2, 3]])
+    with pytest.raises(UnityActionException, match="discrete actions are whole numbers of 32 bits"):
+        ActionTuple(discrete=np.array([[2**40]]))
     with pytest.raises(IndexError, match="agent 7 of"):
         env.set_action_for_agent(name, 7, np.zeros((1, 2)))
     env.set_actions(name, np.array([[0, 1.5]]))
@@ -689,8 +700,12 @@ def test_what_is_wrong_is_said_in_one_line(corridor, connected):
     assert env.get_steps(name)[1].obs[1].tolist() == [[2]]
     with pytest.raises(ValueError, match="max_episode_steps"):
         UnityEnvironment(max_episode_steps=-1)
-    with pytest.raises(UnityEnvironmentException, match=r"^num_areas=4: nothing copies areas here"):
+    with pytest.raises(UnityEnvironmentException, match=r"^num_areas: nothing copies areas here"):
         UnityEnvironment(num_areas=4)
+    with pytest.raises(TypeError, match="additional_args takes a list of words, not '-batchmode'"):
+        UnityEnvironment(additional_args="-batchmode")
+    with pytest.raises(ValueError, match="base_port takes"):
+        UnityEnvironment(base_port="5004")
 
 
 def test_a_float32_at_the_limit_of_a_float64_is_within_it(corridor):
@@ -777,12 +792,33 @@ def test_a_simulator_that_is_missing_has_ml_agents_names(corridor):
     assert issubclass(UnityTimeOutException, UnityException) and issubclass(UnityTimeOutException, TimeoutError)
 
 
+def test_a_file_that_is_no_program_stays_as_it_is(tmp_path):
+    text = tmp_path / "notes.txt"
+    text.write_text("no program")
+    before = text.stat().st_mode
+    with pytest.raises(UnityEnvironmentException, match=r"notes\.txt is no program"):
+        UnityEnvironment(str(text))
+    assert text.stat().st_mode == before
+
+
+def test_a_simulator_of_another_release_is_named(connected):
+    class Older(ArenaSimulator):
+        def describe(self):
+            hello = super().describe()
+            hello.values["record"] = 1
+            return hello
+
+    with pytest.raises(UnityEnvironmentException, match="the simulator is of another release"):
+        connected(Older(Arena(Walker("Ball"))))
+
+
 def test_after_close_it_says_so(corridor):
     env = corridor()
     env.reset()
+    (name,) = env.behavior_specs
     env.close()
     assert not env._loaded
-    for call in (env.close, env.reset, env.step):
+    for call in (env.close, env.reset, env.step, lambda: env.get_steps(name)):
         with pytest.raises(UnityEnvironmentException, match="this environment is closed: make a new one"):
             call()
 

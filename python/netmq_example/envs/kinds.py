@@ -16,12 +16,9 @@ from gymnasium.spaces import Space
 
 from netmq_example.messages import Message, MessageError, take
 from netmq_example.wire import trees
-from netmq_example.wire.records import NOTHING, Section
+from netmq_example.wire.records import NOTHING, RECORD, Section
 from netmq_example.wire.sections import seeds
 from netmq_example.wire.spaces import space_of
-
-# The record (wire/records.py) that this kit speaks.
-RECORD = 2
 
 
 @dataclass(frozen=True)

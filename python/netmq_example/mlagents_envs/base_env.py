@@ -47,8 +47,8 @@ class _ActionTupleBase:
     def add_discrete(self, discrete: Any) -> None:
         given = np.asarray(discrete)
         self.discrete = given if given.dtype == self.discrete_dtype else given.astype(self.discrete_dtype)
-        if given.dtype.kind not in "iub" and self.discrete_dtype == np.int32 and (self.discrete != given).any():
-            raise UnityActionException(f"discrete actions are whole numbers, not {discrete!r:.60}")
+        if self.discrete is not given and self.discrete_dtype == np.int32 and (self.discrete != given).any():
+            raise UnityActionException(f"discrete actions are whole numbers of 32 bits, not {discrete!r:.60}")
         if self.continuous is None:
             self.continuous = np.zeros((len(self.discrete), 0), np.float32)
 

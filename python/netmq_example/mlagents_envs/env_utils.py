@@ -3,13 +3,14 @@
     validate_environment_path("Build/Game.exe")          also on Linux: "…/Build/Game.x86_64"; None if there is none
     process = launch_executable("Build/Game", ["-batchmode"])
 
-A script of Python is run by it.
+A script of Python is run by it. Capabilities are what UnityEnvironment says of itself.
 """
 
 import glob
 import os
 import subprocess
 import sys
+from typing import NamedTuple
 
 from netmq_example.launch import game, start_program
 from netmq_example.mlagents_envs.exception import UnityEnvironmentException
@@ -42,6 +43,8 @@ def launch_words(file_name: str) -> list[str]:
         return [sys.executable, os.path.abspath(file_name)]
     program = validate_environment_path(file_name)
     if not program:
+        if os.path.isfile(file_name):
+            raise UnityEnvironmentException(f"{file_name} is no program of this system: give the build")
         raise UnityEnvironmentException(f"no game at {file_name}: neither this file, nor one with {', '.join(ENDINGS)}")
     return [program]
 
@@ -59,3 +62,15 @@ def launch_executable(file_name: str, args: list[str]) -> subprocess.Popen[bytes
         return start_program([*words, *args])
     except OSError as error:
         raise UnityEnvironmentException(str(error)) from None
+
+
+class Capabilities(NamedTuple):
+    """With the names of ML-Agents' message: the kit has no analytics."""
+
+    baseRLCapabilities: bool = True
+    concatenatedPngObservations: bool = True
+    compressedChannelMapping: bool = True
+    hybridActions: bool = True
+    trainingAnalytics: bool = False
+    variableLengthObservation: bool = True
+    multiAgentGroups: bool = True

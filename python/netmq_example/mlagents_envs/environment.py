@@ -15,7 +15,7 @@ anew within it; this needs gymnasium. In both an agent keeps its id over its epi
 import importlib
 import os
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 from netmq_example import check
 from netmq_example.errors import Lost
@@ -29,18 +29,6 @@ from netmq_example.mlagents_envs.side_channel import *  # noqa: F403
 from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
 
 NOBODY = None, None
-
-
-class Capabilities(NamedTuple):
-    """With the names of ML-Agents' message: the kit has no analytics."""
-
-    baseRLCapabilities: bool = True
-    concatenatedPngObservations: bool = True
-    compressedChannelMapping: bool = True
-    hybridActions: bool = True
-    trainingAnalytics: bool = False
-    variableLengthObservation: bool = True
-    multiAgentGroups: bool = True
 
 
 class UnityEnvironment(base_env.BaseEnv):
@@ -80,11 +68,12 @@ class UnityEnvironment(base_env.BaseEnv):
         action_space: Any = None,
     ) -> None:
         if check.count("num_areas", num_areas) > 1:
-            why = f"num_areas={num_areas}: nothing copies areas here, put them into the scene"
-            raise exception.UnityEnvironmentException(why)
+            raise exception.UnityEnvironmentException("num_areas: nothing copies areas here, put them into the scene")
         self._worker_id = check.count("worker_id", worker_id, least=0)
         self._no_graphics = no_graphics or (no_graphics_monitor and worker_id != 0)
         self._log_folder = log_folder
+        if isinstance(additional_args, str):
+            raise TypeError(f"additional_args takes a list of words, not {additional_args!r:.40}")
         self._additional_args = [*(additional_args or ())]
         self._side_channel_manager = SideChannelManager([*(side_channels or ())])
         self._seed = check.count("seed", seed, least=-(2**31))
@@ -95,14 +84,14 @@ class UnityEnvironment(base_env.BaseEnv):
         self._clock: Any = None
         self._begun = False
         self._actions: dict[str, base_env.ActionTuple] = {}
-        self.academy_capabilities = Capabilities()
+        self.academy_capabilities = env_utils.Capabilities()
         # Not before they are needed: their package registers environments with Gymnasium.
         from netmq_example.envs.side_channels import StepCarrier
         from netmq_example.envs.simulators import Simulators
 
         words: dict[str, Any] = {"wait": timeout_wait, "timeout": timeout_wait}
         if file_name is None:
-            port = self.DEFAULT_EDITOR_PORT if base_port is None else base_port
+            port = self.DEFAULT_EDITOR_PORT if base_port is None else check.count("base_port", base_port)
             words["endpoint"] = f"tcp://127.0.0.1:{port + worker_id}"
         else:
             check.instance("file_name", file_name, str, os.PathLike)
@@ -219,6 +208,7 @@ class UnityEnvironment(base_env.BaseEnv):
 
     def get_steps(self, behavior_name: str) -> tuple[base_env.DecisionSteps, base_env.TerminalSteps]:
         spec = self.get_behavior_spec(behavior_name)
+        self._check_loaded()
         if not self._begun:
             raise exception.NoSteps("call reset before get_steps")
         now, ended = self._clock.turns.get(behavior_name, NOBODY)
@@ -263,7 +253,10 @@ def as_tuple(action: Any, spec: base_env.BehaviorSpec, count: int, name: str) ->
     """UnityActionException, if it is not of so many agents."""
     size, branches = spec.action_spec.continuous_size, spec.action_spec.discrete_size
     if not hasattr(action, "discrete"):
-        action = base_env.ActionTuple(action) if size else base_env.ActionTuple(discrete=action)
+        try:
+            action = base_env.ActionTuple(action) if size else base_env.ActionTuple(discrete=action)
+        except (TypeError, ValueError):
+            raise exception.UnityActionException(f"{name} takes an ActionTuple, not {action!r:.60}") from None
     got = getattr(action.continuous, "shape", ()), getattr(action.discrete, "shape", ())
     if got != ((count, size), (count, branches)):
         takes = f"{(count, size)} floats and {(count, branches)} whole numbers, [agents, size]"

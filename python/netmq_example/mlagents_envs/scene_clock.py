@@ -46,6 +46,8 @@ class SceneClock:
         """Take a simulator, the first one or another; MessageError says why it is refused."""
         if hello.values.get("clock") != "scene":
             raise MessageError("other-clock", "the simulator before this one had the scene's clock: start that again")
+        if hello.values.get("record") != records.RECORD:
+            raise MessageError("old-record", "the simulator is of another release: update the one that is older")
         self.behaviors = []
         self.turns = {}
         self.begun = False
@@ -111,6 +113,8 @@ class Behavior:
             specs = [sensor(one) for one in sensors]
             self.row = np.dtype([(f"{at}", one["dtype"], tuple(one["shape"])) for at, one in enumerate(sensors)])
             self.action = np.dtype([("floats", np.float32, (floats,)), ("branches", np.int32, (len(branches),))])
+            if any(type(size) is not int or size < 1 for size in branches):
+                raise ValueError(f"a branch has at least one choice, not {branches}")
             self.choices = sum(branches)
         except (TypeError, ValueError, KeyError) as error:
             raise MessageError("bad-kind", f"{self.name!a:.80} cannot be read: {error!s:.100}") from None

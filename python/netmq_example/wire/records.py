@@ -47,7 +47,8 @@ from typing import Any
 from netmq_example import messages
 from netmq_example.messages import EXACT, LIMIT, MessageError
 
-ASKS, ANSWERS = 3, 4
+# The version, which a hello has, is the last.
+ASKS, ANSWERS, RECORD = 3, 4, 2
 EXCHANGE, AUTORESET, SCENE_CLOCK, REAL_TIME, ANEW = 1, 2, 4, 8, 16
 NOTHING, STEP, RESET, LAST = 0, 1, 2, 3
 TERMINATED, TRUNCATED, ABSENT, NEW, WANTS, SEEN = 1, 2, 4, 8, 16, 32

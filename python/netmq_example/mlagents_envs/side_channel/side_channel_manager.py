@@ -66,6 +66,8 @@ class SideChannelManager:
         # By the bytes on the wire: to make a UUID of each message's would take longer than the rest.
         self.channels: dict[bytes, Channel] = {}
         self.unknown: list[tuple[bytes, bytes]] = []
+        # Whether it was said that those of this channel are dropped.
+        self.dropped: set[bytes] = set()
         self.report = arguments.function("report", report)
         for channel in check.instance("side_channels", [] if side_channels is None else side_channels, list, tuple):
             self.register_side_channel(channel)
@@ -86,6 +88,7 @@ class SideChannelManager:
         channel.report = self.report
         early = [message for known, message in self.unknown if known == channel_id]
         self.unknown = [kept for kept in self.unknown if kept[0] != channel_id]
+        self.dropped.discard(channel_id)
         for message in early:
             self._deliver(channel, message)
 
@@ -148,7 +151,10 @@ class SideChannelManager:
     def _keep(self, channel_id: bytes, message: bytes) -> None:
         name = uuid.UUID(bytes_le=channel_id)
         if len(self.unknown) == MOST_KEPT or len(message) > LARGEST_KEPT_BYTES:
-            self.report(f"unknown channel {name}: dropped, too much is kept")
+            if channel_id not in self.dropped:
+                cure = "pass this channel in side_channels, such as a StatsSideChannel for a StatsRecorder"
+                self.report(f"unknown channel {name}: too much is kept, and what comes now is dropped; {cure}")
+            self.dropped.add(channel_id)
             return
         if channel_id not in [known for known, _ in self.unknown]:
             self.report(f"unknown channel {name}: kept until it is registered")

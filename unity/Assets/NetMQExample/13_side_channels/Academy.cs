@@ -14,7 +14,7 @@ namespace NetMQExample.MLAgents
 
         private EngineConfigurationChannel engine;
         // Whether a component of this lesson brings the channels to Python, and no agents of ML-Agents' shape.
-        private bool carried;
+        private bool Carried { get; set; }
 
         private Academy() { }
 
@@ -51,7 +51,7 @@ namespace NetMQExample.MLAgents
         /// Python's wishes for the engine are applied.</summary>
         public void Begin(Action<ConfigurationType, double[]> apply)
         {
-            carried = true;
+            Carried = true;
             Register(apply);
         }
 

@@ -24,6 +24,8 @@ namespace NetMQExample.MLAgents.SideChannels
         // A list: they send in the order of their registration.
         private static readonly List<SideChannel> Channels = new List<SideChannel>();
         private static readonly List<(Guid Id, byte[] Data)> Unknown = new List<(Guid, byte[])>();
+        // Those of which it was said that what comes for them is dropped.
+        private static readonly HashSet<Guid> Dropped = new HashSet<Guid>();
 
         /// <summary>Gets a line about what could not be delivered, or not yet.</summary>
         public static Action<string> Report { get; set; } = Console.Error.WriteLine;
@@ -38,19 +40,20 @@ namespace NetMQExample.MLAgents.SideChannels
             Channels.Add(sideChannel);
             var early = Unknown.Where(kept => kept.Id == id).ToArray();
             Unknown.RemoveAll(kept => kept.Id == id);
+            Dropped.Remove(id);
             foreach (var (_, message) in early) Deliver(sideChannel, message);
         }
 
         /// <summary>Does nothing when it is not registered. With the last one goes what was kept for others.</summary>
         public static void UnregisterSideChannel(SideChannel sideChannel)
         {
-            if (Channels.Remove(sideChannel) && Channels.Count == 0) Unknown.Clear();
+            if (Channels.Remove(sideChannel) && Channels.Count == 0) Forget();
         }
 
         internal static void UnregisterAllSideChannels()
         {
             Channels.Clear();
-            Unknown.Clear();
+            Forget();
         }
 
         /// <summary>The queued messages of all channels, by order of registration, then of queueing. A message that
@@ -117,11 +120,18 @@ namespace NetMQExample.MLAgents.SideChannels
             }
         }
 
+        private static void Forget()
+        {
+            Unknown.Clear();
+            Dropped.Clear();
+        }
+
         private static void Keep(Guid id, byte[] message)
         {
             if (Unknown.Count == MostKeptMessages || message.Length > LargestKeptBytes)
             {
-                Report($"unknown channel {id}: dropped, too much is kept");
+                if (Dropped.Add(id))
+                    Report($"unknown channel {id}: too much is kept, and what comes now is dropped; register it");
                 return;
             }
             if (!Unknown.Exists(kept => kept.Id == id)) Report($"unknown channel {id}: kept until it is registered");

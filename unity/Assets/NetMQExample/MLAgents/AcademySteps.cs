@@ -100,7 +100,7 @@ namespace NetMQExample.MLAgents
 
         internal int Join(AgentLife agent)
         {
-            if (carried && agents.Count == 0 && Application.isPlaying)
+            if (Carried && agents.Count == 0 && Application.isPlaying)
                 Debug.LogError($"{agent.Name}: a component of this scene, such as a GymManager or one with side "
                     + "channels, has the connection, and ML-Agents' agents stand still. Remove it, or them");
             agents.Add(agent);
@@ -120,7 +120,7 @@ namespace NetMQExample.MLAgents
             if (Object.FindAnyObjectByType<SteppedBehaviour>() != null
                 || Object.FindAnyObjectByType<SideChannelBehaviour>() != null)
             {
-                carried = true;
+                Carried = true;
                 return;
             }
             SideChannelManager.Report = new Trouble(Debug.LogWarning).Report;
@@ -143,7 +143,7 @@ namespace NetMQExample.MLAgents
             agents.Clear();
             AgentPreStep = null;
             OnEnvironmentReset = null;
-            if (!carried) SideChannelManager.UnregisterAllSideChannels();
+            if (!Carried) SideChannelManager.UnregisterAllSideChannels();
         }
 
         // Where Unity keeps statics, the Play before this one has set it.
@@ -183,7 +183,7 @@ namespace NetMQExample.MLAgents
                 catch (Exception e) { agent.Tell(e); }
             }
             // Nobody takes what channels have to say.
-            if (connection == null && !carried) SideChannelManager.GetSideChannelMessage();
+            if (connection == null && !Carried) SideChannelManager.GetSideChannelMessage();
         }
 
         private void BeginAnew()
