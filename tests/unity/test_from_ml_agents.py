@@ -212,6 +212,12 @@ def test_a_using_line_that_nothing_needs_is_deleted_and_another_named(move, proj
     assert "Assets/E.cs:1: the kit has no Unity.MLAgents.Extensions.Sensors" in said
 
 
+def test_a_mask_of_2020_is_told_its_cure(move, project):
+    masks = "using Unity.MLAgents;\nclass C : Agent { void CollectDiscreteActionMasks(DiscreteActionMasker m) { } }\n"
+    put(project, {"Assets/C.cs": masks})
+    assert "Assets/C.cs:2: the kit has no DiscreteActionMasker: write WriteDiscreteActionMask(" in move()
+
+
 @pytest.mark.parametrize("package", ["Unity.Barracuda", "Unity.Sentis", "Unity.InferenceEngine", "Barracuda"])
 def test_the_inference_package(package, move, project):
     put(project, {"Assets/Unused.cs": f"using {package};\nclass A {{ }}\n"})
