@@ -586,7 +586,8 @@ def test_the_world_goes_on_while_python_thinks_if_it_is_to(kind, launch, pursuit
         seen, ticks = rest(env, seen)
         assert ticks >= 1
     assert time.monotonic() - begin >= 0.2, "a step waits for its tick"
-    time.sleep(1.05)
+    # A tenth more: the step before may have taken its tick in advance.
+    time.sleep(1.15)
     seen, ticks = rest(env, seen)
     assert ticks >= 10
 

@@ -160,7 +160,7 @@ def test_an_action_has_the_half_that_is_not_given():
     whole = ActionTuple(discrete=[[1], [2]])
     assert (whole.continuous.shape, whole.discrete.tolist()) == ((2, 0), [[1], [2]])
     assert ActionTuple(discrete=np.array([[1.0]])).discrete.tolist() == [[1]]
-    with pytest.raises(UnityActionException, match=r"^discrete actions are whole numbers of 32 bits, not array\(\[\[1.5\]\]\)$"):
+    with pytest.raises(UnityActionException, match=r"^discrete actions are whole numbers of 32 bits, not array"):
         ActionTuple(discrete=np.array([[1.5]]))
 
     class LogProbabilities(_ActionTupleBase):

@@ -308,7 +308,10 @@ def test_a_server_that_is_stopped_in_a_notebook_can_be_run_again(key, tmp_path):
 
 @pytest.mark.parametrize(
     ("package", "code"),
-    [("gymnasium", "import netmq_example.envs"), ("pettingzoo", "from netmq_example.envs import UnityParallelEnv")],
+    [
+        ("gymnasium", "from netmq_example.envs import UnityGymEnv"),
+        ("pettingzoo", "from netmq_example.envs import UnityParallelEnv"),
+    ],
 )
 def test_a_notebook_without_a_package_is_told_how_its_own_python_gets_it(package, code):
     """By an ImportError: an end of the program would be one of the kernel."""

@@ -24,6 +24,9 @@ class UnityWorkerInUseException(UnityException, OSError):
 
     def __str__(self) -> str:
         worker, why = self.args
+        # Libraries make an error again of its text.
+        if not isinstance(worker, int):
+            return str(worker)
         return self.MESSAGE_TEMPLATE.format(worker) + (f" ({why})" if why else "")
 
 

@@ -36,13 +36,16 @@ namespace NetMQExample.Tests
 
         // Where null means "none", as the parameter's words say; so it does wherever it is the default.
         private static readonly string[] None =
-            { "AvatarBone end", "GraphInstance nodes" };
+        {
+            "AvatarBone end", "GraphInstance nodes", "ActionBuffers continuousActions", "ActionBuffers discreteActions",
+        };
 
         public static void Run()
         {
             // A component is made by Unity; an attribute, by the compiler; and an exception takes what it gets.
             var constructors = typeof(NetMQConnection).Assembly.GetExportedTypes()
-                .Where(type => !type.IsAbstract && !typeof(Component).IsAssignableFrom(type)
+                .Where(type => !type.IsAbstract && !type.IsGenericTypeDefinition
+                    && !typeof(Component).IsAssignableFrom(type)
                     && !typeof(Attribute).IsAssignableFrom(type) && !typeof(Exception).IsAssignableFrom(type))
                 .SelectMany(type => type.GetConstructors());
             foreach (var one in constructors)
@@ -168,6 +171,8 @@ namespace NetMQExample.Tests
             // Most others are around another one.
             if (type == typeof(SimulatorBase)) return new SceneSimulator("x", 1, new[] { new CartPole() });
             if (type.IsArray) return Array.CreateInstance(type.GetElementType(), 0);
+            if (type == typeof(RenderTexture))
+                return new RenderTexture(1, 1, 0, RenderTextureFormat.ARGB32, RenderTextureReadWrite.sRGB);
             if (type == typeof(Transform)) return new GameObject("x").transform;
             if (typeof(Component).IsAssignableFrom(type)) return new GameObject("x").AddComponent(type);
             if (typeof(Delegate).IsAssignableFrom(type))

@@ -9,7 +9,7 @@ namespace NetMQExample.MLAgents.Sensors
 
         internal BuiltInSensor(string name, ObservationSpec spec)
         {
-            this.name = name;
+            this.name = Require.Given("name", name);
             this.spec = spec;
         }
 

@@ -13,7 +13,7 @@ namespace NetMQExample.MLAgents.Sensors
             SensorCompressionType compression, ObservationType observationType = ObservationType.Default)
             : base(name, width, height, grayscale, observationType)
         {
-            Camera = camera;
+            Camera = Require.Given("camera", camera);
             CompressionType = compression;
             texture = new RenderTexture(width, height, 24, RenderTextureFormat.ARGB32, RenderTextureReadWrite.sRGB);
         }

@@ -34,7 +34,8 @@ namespace NetMQExample.MLAgents.Sensors
         public ObservationSpec(int[] shape, DimensionProperty[] dimensionProperties,
             ObservationType observationType = ObservationType.Default)
         {
-            if (shape.Length != dimensionProperties.Length)
+            if (Require.Given("shape", shape).Length
+                != Require.Given("dimensionProperties", dimensionProperties).Length)
                 throw new UnityAgentsException($"an ObservationSpec has {shape.Length} dimensions and "
                     + $"{dimensionProperties.Length} properties: give each dimension one");
             Shape = shape;

@@ -11,7 +11,8 @@ namespace NetMQExample.MLAgents.Sensors
         /// <summary>With its texture.</summary>
         public RenderTextureSensor(
             RenderTexture renderTexture, bool grayscale, string name, SensorCompressionType compressionType)
-            : base(name, renderTexture.width, renderTexture.height, grayscale, ObservationType.Default)
+            : base(name, Require.Given("renderTexture", renderTexture).width, renderTexture.height, grayscale,
+                ObservationType.Default)
         {
             texture = renderTexture;
             CompressionType = compressionType;

@@ -19,7 +19,7 @@ namespace NetMQExample.MLAgents.Sensors
         /// <summary>Around a sensor.</summary>
         /// <exception cref="UnityAgentsException">It is no vector and no picture.</exception>
         public StackingSensor(ISensor wrapped, int numStackedObservations)
-            : base($"StackingSensor_size{numStackedObservations}_{wrapped.GetName()}",
+            : base($"StackingSensor_size{numStackedObservations}_{Require.Given("wrapped", wrapped).GetName()}",
                 Stacked(wrapped, numStackedObservations))
         {
             this.wrapped = wrapped;
