@@ -792,15 +792,6 @@ def test_a_simulator_that_is_missing_has_ml_agents_names(corridor):
     assert issubclass(UnityTimeOutException, UnityException) and issubclass(UnityTimeOutException, TimeoutError)
 
 
-def test_a_file_that_is_no_program_stays_as_it_is(tmp_path):
-    text = tmp_path / "notes.txt"
-    text.write_text("no program")
-    before = text.stat().st_mode
-    with pytest.raises(UnityEnvironmentException, match=r"notes\.txt is no program"):
-        UnityEnvironment(str(text))
-    assert text.stat().st_mode == before
-
-
 def test_a_simulator_of_another_release_is_named(connected):
     class Older(ArenaSimulator):
         def describe(self):
