@@ -49,8 +49,8 @@ namespace NetMQExample.MLAgents
         /// <summary>How often all began anew.</summary>
         public int EpisodeCount { get; private set; }
 
-        /// <summary>How many copies of its area Python wants in the scene.</summary>
-        public int NumAreas => connection?.Clock.Areas ?? 1;
+        /// <summary>Always 1: nothing copies areas here, and UnityEnvironment refuses more.</summary>
+        public int NumAreas => 1;
 
         /// <summary>Is kept for scripts of ML-Agents: no model runs here.</summary>
         public int InferenceSeed { private get; set; }

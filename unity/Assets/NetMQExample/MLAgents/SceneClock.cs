@@ -25,8 +25,6 @@ namespace NetMQExample.MLAgents
         // Of the first reset: Python's, where it gave one.
         public int? Seed { get; private set; }
 
-        public int Areas { get; private set; } = 1;
-
         /// <summary>Whether any row waits for an answer.</summary>
         public bool HasRows { get; set; }
 
@@ -92,7 +90,6 @@ namespace NetMQExample.MLAgents
             if (options.Length == 0) return;
             if (!(MessageTree.Read(options) is Dictionary<string, object> said)) return;
             if (said.TryGetValue("seed", out var seed) && seed is long number) Seed = unchecked((int)number);
-            if (said.TryGetValue("num_areas", out var areas) && areas is long count) Areas = (int)count;
         }
 
         private SceneKind Asked(RequestSection section)
