@@ -41,6 +41,18 @@ namespace MlTest
             return 0;
         }
 
+        // Three rays of 4 m, a quarter turn apart.
+        private static T Eye<T>(params string[] tags) where T : RayPerceptionSensorComponentBase
+        {
+            var eye = new GameObject("eye").AddComponent<T>();
+            eye.DetectableTags = new List<string>(tags);
+            eye.RaysPerDirection = 1;
+            eye.MaxRayDegrees = 90;
+            eye.RayLength = 4;
+            eye.SphereCastRadius = 0;
+            return eye;
+        }
+
         private static void Vectors()
         {
             var vector = new VectorSensor(16);
@@ -106,12 +118,7 @@ namespace MlTest
             var wall = Thing(PrimitiveType.Cube, "wall", new Vector3(0, 0, 3.5f));
             wall.transform.localScale = new Vector3(20, 1, 1);
             Thing(PrimitiveType.Sphere, "coin", new Vector3(2.5f, 0, 0)).layer = 3;
-            var eye = new GameObject("eye").AddComponent<RayPerceptionSensorComponent3D>();
-            eye.DetectableTags = new List<string> { "wall", "coin" };
-            eye.RaysPerDirection = 1;
-            eye.MaxRayDegrees = 90;
-            eye.RayLength = 4;
-            eye.SphereCastRadius = 0;
+            var eye = Eye<RayPerceptionSensorComponent3D>("wall", "coin");
             var rays = (RayPerceptionSensor)eye.CreateSensors()[0];
             Look(rays);
             eye.SphereCastRadius = 0.5f;
@@ -152,12 +159,7 @@ namespace MlTest
             wall.size = new Vector2(20, 1);
             var ball = new GameObject("ball") { tag = "ball" }.AddComponent<CircleCollider2D>();
             ball.transform.position = new Vector3(2.5f, 0, 0);
-            var eye = new GameObject("eye").AddComponent<RayPerceptionSensorComponent2D>();
-            eye.DetectableTags = new List<string> { "wall", "ball" };
-            eye.RaysPerDirection = 1;
-            eye.MaxRayDegrees = 90;
-            eye.RayLength = 4;
-            eye.SphereCastRadius = 0;
+            var eye = Eye<RayPerceptionSensorComponent2D>("wall", "ball");
             var rays = (RayPerceptionSensor)eye.CreateSensors()[0];
             Look(rays);
             eye.SphereCastRadius = 0.5f;
