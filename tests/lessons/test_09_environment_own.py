@@ -4,16 +4,11 @@ from __future__ import annotations
 
 import importlib.util
 import itertools
-import os
-import re
-import shlex
-import signal
-import sys
 
 import pytest
 
 from tests.conftest import PYTHON
-from tests.programs import ROOT, Mark, finds_processes, finished, python_runs, steady_endpoint
+from tests.programs import EACH_RUN, ROOT, InTurn, python_runs
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
 np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: kit.py run 9 installs it")
@@ -22,7 +17,6 @@ KEY = "09_environment"
 LESSON = ROOT / "python" / KEY
 from netmq_example.envs import UnityGymEnv  # noqa: E402
 from netmq_example.envs.connection import name_of  # noqa: E402
-from netmq_example.envs.simulators import Simulators  # noqa: E402
 from netmq_example.scene import Scene, SceneSimulator  # noqa: E402
 from netmq_example.wire import trees  # noqa: E402
 from netmq_example.wire.records import Record  # noqa: E402
@@ -32,34 +26,26 @@ from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 from tests.lessons.conftest import simulated  # noqa: E402
 
 CLIENT = [str(PYTHON), str(LESSON / "client.py"), "--timeout", "30"]
-posix = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals")
 
 
 # Options and actions
 
-ENDLESS: list[object] = []
-ENDLESS.append(ENDLESS)
-REFUSED = {
-    "seed": ({"seed": 2**63}, r"a seed is a whole number from 0 to 2\*\*53 - 1, not 9223372036854775808"),
-    "large": ({"options": {"low": 10**20}}, "option 'low' cannot be sent: .*too large for an int64"),
-    "long": ({"options": {"t": "x" * 2**24}}, "options of 167772.. bytes cannot be sent: at most 16777216"),
-    "half": ({"options": {"t": "\ud800"}}, "option 't' cannot be sent: it is no text"),
-    "half a name": ({"options": {"\ud800": 1}}, r"option '\\ud800' cannot be sent: it is no text"),
-    "nan": ({"options": {"low": [float("nan")]}}, "option 'low' cannot be sent: nan is not finite"),
-    "dtype": ({"options": {"low": np.ones(3, complex)}}, "option 'low' cannot be sent: dtype 'complex128' is none of"),
-    "class": ({"options": {"low": {"a": {3}}}}, "option 'low' cannot be sent: set has no place in a message"),
-    "key": ({"options": {"low": {1: 2}}}, "option 'low' cannot be sent: the keys of a dict are texts, not 1"),
-    "endless": ({"options": {"low": ENDLESS}}, "option 'low' cannot be sent: it is no text, or has no end"),
-    "text": ({"options": "abc"}, "options must be a dict"),
-    "seed in options": ({"options": {"seed": 3}}, "options have no seed: write reset"),
-}
+# What no message takes, tests of lesson 11 know.
+REFUSED = [
+    ({"seed": 2**63}, r"a seed is a whole number from 0 to 2\*\*53 - 1, not 9223372036854775808"),
+    ({"options": {"t": "x" * 2**24}}, "options of 167772.. bytes cannot be sent: at most 16777216"),
+    ({"options": {"\ud800": 1}}, r"option '\\ud800' cannot be sent: it is no text"),
+    ({"options": {"low": {"a": {3}}}}, "option 'low' cannot be sent: set has no place in a message"),
+    ({"options": "abc"}, "options must be a dict"),
+    ({"options": {"seed": 3}}, "options have no seed: write reset"),
+]
 SENT = {"none": None, "list": [1, 2.5, True], "float32": np.float32(0.5), "long": "x" * 70_000, "dict": {"ä": ["ö"]}}
 
 
 def test_what_no_simulator_could_read_is_refused_by_name_before_it_is_sent(inside, make):
     simulator = inside(simulated())
     env = make(socket=simulator.socket, disable_env_checker=True)
-    for words, text in REFUSED.values():
+    for words, text in REFUSED:
         with pytest.raises(ValueError, match=f"^{text}"):
             env.reset(**words)
     assert asked(simulator) == []
@@ -95,27 +81,6 @@ def test_an_action_outside_its_space_is_named_in_one_line(inside, make):
 # The trainer
 
 
-@posix
-@finds_processes
-def test_the_pages_training_command_starts(start, tmp_path):
-    """Its very words; `dotnet` is a program that starts the client in Python."""
-    page = (ROOT / "docs" / "guide" / f"{KEY}.md").read_text(encoding="utf-8")
-    (line,) = re.findall("^python (.*train.py --launch .*)$", page, re.MULTILINE)
-    said = tmp_path / "words"
-    script = f'#!/bin/sh\necho "$@" > {shlex.quote(str(said))}\nshift 5\nexec {shlex.join(CLIENT)} "$@"\n'
-    (tmp_path / "dotnet").write_text(script, encoding="utf-8")
-    (tmp_path / "dotnet").chmod(0o755)
-    mark = Mark()
-    path = f"{tmp_path}{os.pathsep}{os.environ['PATH']}"
-    trainer = start(PYTHON, *shlex.split(line), PATH=path, **mark.environment)
-    trainer.wait_for("^generation 1")
-    assert trainer.stop(signal.SIGINT) == 1
-    assert trainer.lines[-1] == "stopped" and "Traceback" not in trainer.output
-    assert mark.processes() == {}, "it ends what it has launched"
-    words = said.read_text(encoding="utf-8")
-    assert re.fullmatch(r"run --project csharp-console -- 9 --endpoint tcp://127.0.0.1:\d+\n", words)
-
-
 TRAINERS = [
     (["--seed", "-1"], 2, "--seed: it takes a whole number from 0 to 2147483647, not -1"),
     (["--generations", "x"], 2, "--generations: it takes a whole number from 0 to 2147483647, not 'x'"),
@@ -124,27 +89,34 @@ TRAINERS = [
     (["--launch"], 2, "--launch: expected at least one argument"),
     (["--endpoint", "tcp://127.0.0.1:99999"], 2, "--endpoint: bad endpoint 'tcp://127.0.0.1:99999'"),
     (["--launch", "no/such/game"], 1, "gave up: no game at no/such/game"),
+    (["--generations", "0", "--launch", *CLIENT], 1, "gave up: no generation reached 195"),
 ]
 
 
-def test_what_the_trainer_cannot_do_it_says_at_once(start):
+def test_what_the_trainer_cannot_do_it_says_at_once():
     ended = python_runs(LESSON / "train.py", [words for words, _, _ in TRAINERS])
     for (words, code, text), run in zip(TRAINERS, ended, strict=True):
         assert run.code == code, (words, run)
         if "--plot" in words and not importlib.util.find_spec("matplotlib"):
             text = "--plot: it needs matplotlib: "
         assert text in run.lines[-1] and "Traceback" not in "".join(run.lines)
-    trainer = start(PYTHON, LESSON / "train.py", "--generations", "0", "--launch", *CLIENT)
-    assert trainer.wait() == 1
-    assert "gave up: no generation reached 195" in trainer.lines[-1]
 
 
-@pytest.mark.parametrize("key", ["09_environment", "10_many_agents", "11_observations", "12_video"])
-def test_ctrl_c_while_a_program_imports_numpy_is_no_traceback(key, tmp_path):
-    (tmp_path / "numpy.py").write_text("raise KeyboardInterrupt", encoding="utf-8")
-    for name in ("server", "client"):
-        done = finished([PYTHON, ROOT / "python" / key / f"{name}.py"], env={**os.environ, "PYTHONPATH": str(tmp_path)})
-        assert (done.returncode, done.stderr) == ((0, "") if name == "server" else (1, "stopped\n")), done.stdout
+INTERRUPTED = """
+import sys
+class Interrupts:
+    def find_spec(name, *_):
+        if name == "numpy":
+            raise KeyboardInterrupt
+sys.meta_path.insert(0, Interrupts)
+"""
+
+
+def test_ctrl_c_while_a_program_imports_numpy_is_no_traceback():
+    with InTurn([PYTHON, "-c", INTERRUPTED + EACH_RUN]) as run:
+        for key in (KEY, "10_many_agents", "11_observations", "12_video"):
+            for name, ended in (("server", (0, [])), ("client", (1, ["stopped"]))):
+                assert run(ROOT / "python" / key / f"{name}.py") == ended, key
 
 
 def test_chance_is_splitmix64_as_everybody_has_it():
@@ -167,23 +139,12 @@ def test_a_space_that_nobody_plays_by_hand_does_not_end_the_server(serve, run, c
     assert "Traceback" not in server.output
 
 
-def test_simulators_are_launched_by_words_or_by_a_path(tmp_path):
-    (tmp_path / "Game").write_text("#!/bin/sh\n", encoding="utf-8")
-    for launch in (tmp_path / "Game", [str(tmp_path / "Game")]):
-        with_game = Simulators(launch=launch)
-        assert with_game.launch == [str(tmp_path / "Game")]
-        with_game.close()
-    by_hand = Simulators(endpoint=steady_endpoint(), launch=None)
-    assert by_hand.launch == []
-    by_hand.close()
-
-
 def test_a_script_that_cannot_be_launched_is_named_with_its_cure(tmp_path):
     script = tmp_path / "ball.py"
     script.write_text("print(1)\n", encoding="utf-8")
     words = r"^launch cannot start \S+ball\.py: .+; a script needs its program: launch=\[sys\.executable, 'ball\.py'\]$"
     with pytest.raises(OSError, match=words):
-        UnityGymEnv("Ball", launch=str(script))
+        UnityGymEnv("Ball", launch=script)
 
 
 def test_a_word_that_an_environment_does_not_know_is_named():

@@ -18,7 +18,7 @@ from typing import Any
 
 import pytest
 
-from tests.conftest import CLIENTS, PYTHON
+from tests.conftest import PYTHON
 from tests.lessons.conftest import simulated
 from tests.programs import LIMIT, ROOT, Mark, finds_processes
 
@@ -56,8 +56,6 @@ MADE = {
         {"env_name": "Coins", "observation_space": seen_space(False), "action_space": ACTION},
     ),
 }
-WAYS = [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))]
-each_class = pytest.mark.parametrize("name", MADE)
 
 
 def client(key, *words):
@@ -117,50 +115,6 @@ def played(env):
     return [env.reset(seed=3), *(step(env) for _ in range(5))]
 
 
-@finds_processes
-@pytest.mark.parametrize("way", WAYS)
-@each_class
-def test_a_copy_is_an_environment_of_its_own(name, way, made, make, mark):
-    env = made(name)
-    first = played(env)
-    other = make(way, env)
-    assert type(other) is type(env) and len(simulators(mark)) == 2
-    assert data_equivalence(played(other), first, exact=True)
-    # And it goes on where it was, as if there had been no other.
-    again = step(env)
-    assert data_equivalence(again, step(other), exact=True)
-    other.close()
-    assert becomes(1, mark)
-    assert data_equivalence(played(env), first, exact=True)
-    env.close()
-    assert becomes(0, mark)
-
-
-@finds_processes
-def test_a_copy_of_what_make_returns_is_as_it_was_made(mark):
-    """With its wrappers, and its spec, by which libraries make more of them."""
-    env = PlainSpaces(gymnasium.make(ID, launch=client("09_environment"), max_episode_steps=2))
-    for way in WAYS:
-        other = way(env)
-        assert other.spec == env.spec and other.unwrapped.spec == env.unwrapped.spec
-        other.reset(seed=1)
-        assert [other.step(0)[3] for _ in range(2)] == [False, True]
-        more = gymnasium.make(other.spec)
-        more.reset()
-        assert len(simulators(mark)) == 3 and isinstance(more, PlainSpaces)
-        more.close()
-        other.close()
-        assert becomes(1, mark)
-    env.close()
-
-
-def test_one_with_a_given_socket_refuses_a_copy(inside, make):
-    env = make(envs.UnityGymEnv, "CartPole", socket=inside(simulated()).socket)
-    for way in WAYS:
-        with pytest.raises(TypeError, match=r"^UnityGymEnv has a socket that it was given"):
-            way(env)
-
-
 class Least(gymnasium.Env):  # type: ignore[name-defined]
     """Has what every environment has."""
 
@@ -177,26 +131,53 @@ def public(kind, *others):
 OWN = {"copy", "env_fns", "envs"}
 
 
+@finds_processes
 @pytest.mark.filterwarnings("ignore:.*dictionary is deprecated")
-@each_class
-def test_it_has_what_gymnasiums_and_pettingzoos_own_have(name, made):
+@pytest.mark.parametrize("name", MADE)
+def test_it_has_what_others_have_and_a_copy_is_an_environment_of_its_own(name, made, make, mark):
     env = made(name)
-    if isinstance(env, VectorEnv):
+    first = played(env)
+    base = next(each for each in (VectorEnv, gymnasium.Env, ParallelEnv, AECEnv) if isinstance(env, each))
+    assert base is AECEnv or base in type(env).__bases__, "by which skrl knows it"
+    if base is VectorEnv:
         needed = public(SyncVectorEnv, SyncVectorEnv([Least])) - OWN
-    elif isinstance(env, gymnasium.Env):
-        needed = public(Least, Least())
     else:
-        needed = public(AECEnv if isinstance(env, AECEnv) else ParallelEnv)
-    # Before that PettingZoo's own have not all of them.
-    env.reset()
+        needed = public(Least, Least()) if base is gymnasium.Env else public(base)
     assert sorted(one for one in needed if not hasattr(env, one)) == []
+    other = make(pickle.loads, pickle.dumps(env))
+    assert type(other) is type(env) and len(simulators(mark)) == 2
+    assert data_equivalence(played(other), first, exact=True)
+    # And it goes on where it was, as if there had been no other.
+    again = step(env)
+    assert data_equivalence(again, step(other), exact=True)
+    other.close()
+    assert becomes(1, mark)
+    assert data_equivalence(played(env), first, exact=True)
+    env.close()
+    assert becomes(0, mark)
 
 
-@pytest.mark.parametrize("base", [gymnasium.Env, VectorEnv, ParallelEnv])
-def test_a_class_has_its_librarys_own_as_a_direct_base(base):
-    """By which skrl knows it."""
-    kinds = {gymnasium.Env: envs.UnityGymEnv, VectorEnv: envs.UnityVectorEnv, ParallelEnv: envs.UnityParallelEnv}
-    assert base in kinds[base].__bases__
+@finds_processes
+def test_a_copy_of_what_make_returns_is_as_it_was_made(mark):
+    """With its wrappers, and its spec, by which libraries make more of them."""
+    env = PlainSpaces(gymnasium.make(ID, launch=client("09_environment"), max_episode_steps=2))
+    other = copy.deepcopy(env)
+    assert other.spec == env.spec and other.unwrapped.spec == env.unwrapped.spec
+    other.reset(seed=1)
+    assert [other.step(0)[3] for _ in range(2)] == [False, True]
+    more = gymnasium.make(other.spec)
+    more.reset()
+    assert len(simulators(mark)) == 3 and isinstance(more, PlainSpaces)
+    for each in more, other, env:
+        each.close()
+    assert becomes(0, mark)
+
+
+def test_one_with_a_given_socket_refuses_a_copy(inside, make):
+    env = make(envs.UnityGymEnv, "CartPole", socket=inside(simulated()).socket)
+    for way in copy.deepcopy, pickle.dumps:
+        with pytest.raises(TypeError, match=r"^UnityGymEnv has a socket that it was given"):
+            way(env)
 
 
 # The end of a script
@@ -234,16 +215,22 @@ ENDS = {
 
 @posix
 @finds_processes
-@pytest.mark.parametrize("many", ["single", "async"])
-@pytest.mark.parametrize("kind", CLIENTS)
-def test_no_simulator_is_left_however_a_script_ends(kind, many, start, launch, tmp_path):
+@pytest.mark.parametrize(
+    ("kind", "many", "ends"),
+    [
+        ("python", "single", [*ENDS]),
+        ("python", "async", ["exit", "terminated"]),
+        ("csharp", "single", ["end", "killed"]),
+    ],
+)
+def test_no_simulator_is_left_however_a_script_ends(kind, many, ends, start, launch, tmp_path):
     """They would wait for ten minutes, if nobody ended them."""
     script = tmp_path / "script.py"
     script.write_text(SCRIPT.format(path=str(ROOT / "python"), id=ID), encoding="utf-8")
     words = launch(kind, "--timeout", "600")
     # All at once: it takes long to start each of them.
     scripts = {}
-    for how in ENDS:
+    for how in ends:
         mark = Mark()
         scripts[how] = mark, start(PYTHON, script, many, how, *words, **mark.environment)
     for how, (mark, program) in scripts.items():
