@@ -38,16 +38,9 @@ def install(
     """
     root = find_project(project)
     there = there or Inventory(root)
+    files, wrong = prepare(root, lesson, there)
     if by := has_scripts(root):
         say(f"the scripts come from {by}: they are not copied")
-        # Unity reads no link.xml in a package. Without our .meta, whose GUID the package's own file has.
-        files = {f"{TARGET}/link.xml": (PACKAGE / "link.xml").read_bytes()}
-    else:
-        files = {**scripts(lesson), **notices()}
-    check_age(root, lesson, files)
-    wrong = list(there.check_netmq())
-    check_moved(root, files)
-    check_foreign(root, files)
     if scripts_only:
         say(ALONE)
     elif not there.missing("NetMQ.dll"):
@@ -58,11 +51,25 @@ def install(
     # Also of other lessons, which are there already: all are one assembly.
     here = {path.as_posix(): path.read_bytes() for path in (root / TARGET).rglob("*.cs")}
     add_packages(root, unitys_packages(here), there)
-    bring = []
+    left = [*wrong, *advice(root)]
     if there.missing("NetMQ.dll") and not (root / PLUGINS / "NetMQ.dll").exists():
-        bring = ["first bring the DLLs: route (b) or (d) of docs/guide/unity_project.md"]
-    for line in [*wrong, *advice(root), *bring, *next_steps(root, lesson)]:
+        left.append("first bring the DLLs: route (b) or (d) of docs/guide/unity_project.md")
+    if unity_version(root) < OLDEST:
+        left.append("try it: this Unity is older than 2022.3, for which the kit is made; the lesson compiles there")
+    for line in [*(f"left for you: {line}" for line in left), *next_steps(root, lesson)]:
         say(line)
+
+
+def prepare(root: Path, lesson: str | None, there: Inventory) -> tuple[dict[str, bytes], list[str]]:
+    """The files to copy, and what is wrong with the project's own NetMQ; a KitError if something is in the way."""
+    # Unity reads no link.xml in a package. Without our .meta, whose GUID the package's own file has.
+    alone = {f"{TARGET}/link.xml": (PACKAGE / "link.xml").read_bytes()}
+    files = alone if has_scripts(root) else {**scripts(lesson), **notices()}
+    check_age(root, lesson, files)
+    wrong = list(there.check_netmq())
+    check_moved(root, files)
+    check_foreign(root, files)
+    return files, wrong
 
 
 def check_age(root: Path, lesson: str | None, files: dict[str, bytes]) -> None:

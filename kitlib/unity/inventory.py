@@ -59,10 +59,9 @@ class Inventory:
     def __init__(self, root: Path, without: Set[str] = frozenset(), kept: Set[str] = frozenset()) -> None:
         """`without`: packages that are about to leave, with all that they alone have brought along but for `kept`."""
         # Unity writes down what it has resolved, also what a package brings along.
-        locked = read_json(root / "Packages" / "packages-lock.json").get("dependencies") or {}
+        locked = lock(root)
         named = {name: str(entry.get("version", "")) for name, entry in locked.items()} | dependencies(root)
-        direct = {name for name, entry in locked.items() if not entry.get("depth")} | dependencies(root).keys()
-        gone = brought(locked, without) - brought(locked, direct - without | kept)
+        gone = leaving_with(root, without | outdated(root), kept)
         named = {name: version for name, version in named.items() if name not in gone}
         cache = list((root / "Library" / "PackageCache").glob("*@*"))
         cache = [folder for folder in cache if folder.name.split("@")[0] not in gone]
@@ -90,6 +89,24 @@ class Inventory:
         for one, other in itertools.combinations(found, 2):
             if one.parts & other.parts:
                 yield f"NetMQ is here twice, by {one.where} and {other.where}: remove one, or nothing compiles"
+
+
+def lock(root: Path) -> dict[str, Any]:
+    """The packages that Unity has resolved, also those that others bring along."""
+    return read_json(root / "Packages" / "packages-lock.json").get("dependencies") or {}
+
+
+def outdated(root: Path) -> set[str]:
+    """The packages that the project does not name any more, before Unity has written its lock anew."""
+    named = {name for name, entry in lock(root).items() if entry.get("depth") == 0 and entry.get("source") != "embedded"}
+    return named - dependencies(root).keys()
+
+
+def leaving_with(root: Path, names: Set[str], kept: Set[str] = frozenset()) -> set[str]:
+    """These packages, and all that they alone have brought along but for `kept`."""
+    locked = lock(root)
+    direct = {name for name, entry in locked.items() if not entry.get("depth")} | dependencies(root).keys()
+    return brought(locked, names) - brought(locked, direct - names | kept)
 
 
 def brought(locked: dict[str, Any], names: Set[str]) -> set[str]:

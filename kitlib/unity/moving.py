@@ -16,19 +16,18 @@ from kitlib.lessons import KIT, KitError, read_json
 from kitlib.terminal import say
 from kitlib.unity import ml_agents
 from kitlib.unity.edits import Edit, applied, checksum, decoded, difference, encoded, reversed_
-from kitlib.unity.install import RECORD, delete, install
+from kitlib.unity.install import RECORD, delete, install, prepare
 from kitlib.unity.inventory import TARGET, Inventory, dependencies
-from kitlib.unity.leaving import Leaving, leaving
+from kitlib.unity.leaving import Leaving, leaving, left_behind
 from kitlib.unity.meta import own_guid
 from kitlib.unity.own_files import ML_AGENTS as PACKAGES
-from kitlib.unity.own_files import copies_of_ml_agents, is_link, own_files
-from kitlib.unity.project import find_project
+from kitlib.unity.own_files import SCENES, copies_of_ml_agents, is_link, own_files
+from kitlib.unity.project import advice, find_project
 from kitlib.unity.scripts import ML_AGENTS, scripts
 
 # The changes and copies that this command has made. Unity ignores names that begin with a dot.
 NOTES = f"{TARGET}/.{ML_AGENTS}.json"
 MANIFEST = "Packages/manifest.json"
-SCRIPT, SCENES, ASSEMBLY = ".cs", (".unity", ".prefab", ".asset", ".preset"), ".asmdef"
 FORCE_TEXT = (
     "it is no text and stays as it is: with ML-Agents still there choose Project Settings, Editor, Asset Serialization,"
     " Force Text, save the project, and run this again"
@@ -49,7 +48,7 @@ class Plan:
         copies = sorted(set(copies_of_ml_agents(root)))
         files = list(own_files(root, copies))
         self.left += [f"{copy}: this is ML-Agents itself: delete it in Unity" for copy in copies]
-        texts = {name: decoded((root / name).read_bytes()) for name in files if name.endswith(SCRIPT)}
+        texts = {name: decoded((root / name).read_bytes()) for name in files if name.endswith(".cs")}
         own = set[str]().union(*map(ml_agents.namespaces, texts.values()))
         everything = "\n".join(texts.values())
         old = "using MLAgents" in everything and "Unity.MLAgents" not in everything
@@ -61,10 +60,12 @@ class Plan:
             more = f" and {len(self.notes_of_lfs) - 1} more" if len(self.notes_of_lfs) > 1 else ""
             what = "only Git LFS's note of it is here: run git lfs pull, and this again"
             self.left.append(f"{self.notes_of_lfs[0]}{more}: {what}")
-        concerned = self.edits or dependencies(root).keys() & PACKAGES
         # Of a project that never had ML-Agents nothing is taken away; a copy of ML-Agents needs what it needs.
-        self.packages = leaving(root, self.scripts_after(texts)) if concerned and not copies else Leaving(set(), {}, [])
-        self.left += self.packages.notes
+        self.packages = Leaving(set(), {}, [])
+        if self.edits or copies or dependencies(root).keys() & PACKAGES:
+            after = self.scripts_after(texts)
+            self.packages = self.packages if copies else leaving(root, after)
+            self.left += [*self.packages.notes, *left_behind(root, files, after)]
         if self.packages.removed and (root / MANIFEST).is_symlink():
             self.left.append(f"{MANIFEST}: it is a link: remove {', '.join(sorted(self.packages.removed))} by hand")
             self.packages = Leaving(set(), {}, [])
@@ -102,7 +103,7 @@ class Plan:
                 self.add(name, decoded(data), ml_agents.yaml(decoded(data), self.guids), "component")
             elif ml_agents.in_binary(data):
                 self.left.append(f"{name}: {FORCE_TEXT}")
-        elif name.endswith(ASSEMBLY):
+        elif name.endswith(".asmdef"):
             text = decoded(path.read_bytes())
             self.add(name, text, ml_agents.asmdef(text, own_guid(ml_agents.ASSEMBLY)), "reference")
         elif name.endswith(".asmref") and re.search(r"Unity\.ML-Agents|85e0054f8e64b", decoded(path.read_bytes())):
@@ -110,12 +111,12 @@ class Plan:
 
     def do(self, force: bool, scripts_only: bool, dlls: Path | None) -> None:
         """Copy the kit and write the files, after noting down how to take it back."""
-        root, names = self.root, [*self.edits, *([MANIFEST] if self.packages.removed else [])]
-        refuse_read_only(root, names)
-        before = {name: (root / name).read_bytes() for name in {*names, MANIFEST} if (root / name).exists()}
+        root = self.root
+        refuse_read_only(root, self.files())
+        before = {name: (root / name).read_bytes() for name in {*self.files(), MANIFEST} if (root / name).exists()}
         there = {*read_json(root / RECORD)}
         removed, kept, _ = self.packages
-        install(root, ML_AGENTS, force, scripts_only, dlls, Inventory(root, removed, kept.keys()))
+        install(root, ML_AGENTS, force, scripts_only, dlls, self.inventory())
         files = {name: applied(before[name], edits) for name, edits in self.edits.items()}
         edits = dict(self.edits)
         if MANIFEST in before:
@@ -127,12 +128,33 @@ class Plan:
             for name, data in files.items()
             if data != before[name]
         }
-        notes = read_json(root / NOTES)
         copied = sorted(read_json(root / RECORD).keys() - there)
+        if not entries and not copied:
+            return
+        notes = read_json(root / NOTES)
         notes.setdefault("moves", []).append({"files": entries, "copied": copied})
         (root / NOTES).write_text(json.dumps(notes, indent=1), encoding="utf-8")
         place(root, {name: files[name] for name in entries})
+        for line in self.lines:
+            say(f"changed {line}")
         say(f"changed {len(entries)} files; `{KIT} unity PATH --from {ML_AGENTS} --undo` takes it back")
+
+    def files(self) -> list[str]:
+        """All that would change."""
+        return [*self.edits, *([MANIFEST] if self.packages.removed else [])]
+
+    def inventory(self) -> Inventory:
+        """The packages and DLLs that the project will have."""
+        return Inventory(self.root, self.packages.removed, self.packages.kept.keys())
+
+    def refusal(self) -> str:
+        """The reason for which it could not be done; empty if there is none."""
+        try:
+            prepare(self.root, ML_AGENTS, self.inventory())
+            refuse_read_only(self.root, self.files())
+        except KitError as error:
+            return str(error)
+        return ""
 
 
 def move_in(project: Path, yes: bool, force: bool, scripts_only: bool, dlls: Path | None) -> None:
@@ -143,19 +165,23 @@ def move_in(project: Path, yes: bool, force: bool, scripts_only: bool, dlls: Pat
             f"Assets is a link to {(root / 'Assets').resolve()}: nothing was changed; name the project there"
         )
     plan = Plan(root)
-    for line in plan.lines:
-        say(line if yes else f"would change {line}")
     if not plan.lines:
         say("nothing to change: no file here names ML-Agents any more")
-    elif yes:
+    # The kit's own files may be others by now: Unity has fetched packages that bring DLLs.
+    if yes and (plan.lines or (root / NOTES).exists()):
         plan.do(force, scripts_only, dlls)
-    else:
+    elif plan.lines:
+        for line in plan.lines:
+            say(f"would change {line}")
         count = sum(name.endswith(".cs") for name in scripts(ML_AGENTS))
         say(f"would copy {count} scripts into {TARGET}, and NetMQ's DLLs")
+        plan.left += advice(root)
     for line in plan.left:
         say(f"left for you: {line}")
     if not yes and plan.lines:
-        say("nothing was changed yet: commit the project, then add --yes; --undo takes it back")
+        refusal = plan.refusal()
+        then = f"--yes will refuse: {refusal}" if refusal else "commit the project, then add --yes; --undo takes it back"
+        say(f"nothing was changed yet: {then}")
 
 
 def undo(project: Path, force: bool) -> None:

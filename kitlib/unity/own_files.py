@@ -8,6 +8,8 @@ from kitlib.unity.inventory import TARGET, package_folders, package_name
 from kitlib.unity.ml_agents import FACTS
 
 ML_AGENTS = {"com.unity.ml-agents", "com.unity.ml-agents.extensions"}
+# A project's files that name scripts, and others, by their GUIDs.
+SCENES = (".unity", ".prefab", ".asset", ".preset")
 
 
 def copies_of_ml_agents(root: Path) -> Iterator[str]:

@@ -105,7 +105,5 @@ def advice(root: Path) -> Iterator[str]:
         has = [path.name for name in STANDARD for path in imported(root / "Assets", name)]
         rest = f"; and delete {', '.join(has)}, which .NET Standard 2.1 has itself" if has else ""
         yield f"set Project Settings, Player, Api Compatibility Level to .NET Standard 2.1: it is .NET Framework{rest}"
-    if unity_version(root) < OLDEST:
-        yield "this Unity is older than 2022.3, for which the kit is made: this lesson compiles, but was not tried"
     if not (root / "Library").exists() and any((root / TARGET).rglob("*.dll")):
         yield "open the project in Unity, then run this again: it deletes DLLs that packages of yours bring as well"

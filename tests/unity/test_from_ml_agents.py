@@ -327,6 +327,7 @@ def test_the_second_run_does_nothing_and_undo_takes_back_all(move, project, caps
     after = listing(project)
     assert "nothing to change" in move()
     assert listing(project) == after
+    assert "nothing to change" in move(yes=False)
     moving.undo(project, force=False)
     assert listing(project) == {**before, "Assets/Later.cs": (b"using Unity.MLAgents;\n", after["Assets/Later.cs"][1])}
     assert not (project / TARGET).exists()
@@ -442,12 +443,64 @@ def test_a_project_without_ml_agents_stays_as_it_is(move, project):
         ("2021.3", "ML-Agents' shape needs 2022.3 or later: nothing was copied; open a copy"),
     ],
 )
-def test_an_older_unity_is_refused_and_nothing_is_changed(version, why, move, project):
+def test_an_older_unity_is_refused_before_a_word_of_changes(version, why, move, project, capsys):
     put(project, {"ProjectSettings/ProjectVersion.txt": f"m_EditorVersion: {version}.1f1\n"})
     before = listing(project)
-    with pytest.raises(KitError, match=f"^this project is for Unity {version}; {why}"):
+    refusal = f"this project is for Unity {version}; {why}"
+    last = move(yes=False).splitlines()[-1]
+    assert re.search(f"nothing was changed yet: --yes will refuse: {refusal}", last)
+    with pytest.raises(KitError, match=f"^{refusal}"):
         move()
-    assert listing(project) == before
+    assert listing(project) == before and not capsys.readouterr().out
+
+
+@pytest.mark.parametrize("yes", [False, True])
+def test_a_setting_that_does_not_compile_is_left_for_you(yes, move, project):
+    settings = "PlayerSettings:\n  apiCompatibilityLevelPerPlatform:\n    Standalone: 3\n"
+    put(project, {"ProjectSettings/ProjectSettings.asset": settings})
+    assert move(yes).count("left for you: set Project Settings, Player, Api Compatibility Level to") == 1
+
+
+def test_what_uses_ml_agents_dlls_is_named_in_every_script(move, project):
+    remote = "using System;\nusing Google.Protobuf;\nclass A { Grpc.Core.Channel c; } // My.Grpc.Core\n"
+    put(project, {"Assets/A.cs": remote, "Assets/B.cs": "class B { My.Grpc.Core.X x; }\n"})
+    said = move(yes=False)
+    assert said.count("left for you: Assets/A.cs:2: Google.Protobuf came with ML-Agents") == 1
+    assert "B.cs" not in said
+    put(project, {"Assets/Plugins/Google.Protobuf.dll": b"MZ"})
+    assert "left for you: Assets/A.cs:3: Grpc.Core came with ML-Agents" in move(yes=False)
+
+
+def test_a_model_in_a_field_is_named(move, project):
+    model = "0123456789abcdef0123456789abcdef"
+    put(project, {"Assets/Big.onnx.meta": f"fileFormatVersion: 2\r\nguid: {model}\r\n"})
+    field = f"  small: {{fileID: 0}}\n  big: {{fileID: 1, guid: {model}, type: 3}}\n"
+    of_the_agent = component("BehaviorParameters", f"  m_Model: {{fileID: 1, guid: {model}, type: 3}}\n")
+    put(project, {"Assets/Swap.prefab": f"%YAML 1.1\n{field}", "Assets/Agent.prefab": f"%YAML 1.1\n{of_the_agent}"})
+    said = move()
+    assert "left for you: Assets/Swap.prefab:3: a model in a field: Python plays it" in said
+    assert "Assets/Agent.prefab:7: a model in BehaviorParameters" in said and said.count("a model in a field") == 1
+
+
+def test_dlls_that_packages_bring_are_deleted_by_the_run_after_the_import(move, project):
+    unsafe = "System.Runtime.CompilerServices.Unsafe.dll"
+    mine = project / TARGET / "Plugins" / unsafe
+    before = listing(project)
+    assert "open the project in Unity, then run this again" in move()
+    assert mine.exists()
+    # Its lock still has ML-Agents, which has brought one of them: that one stays.
+    old = {"com.unity.ml-agents": {"version": "2.0.1", "depth": 0, "dependencies": {"com.unity.burst": "1"}}}
+    put(project, {"Packages/packages-lock.json": json.dumps({"dependencies": {**old, "com.unity.burst": {"depth": 1}}})})
+    put(project, {f"Library/PackageCache/com.unity.burst@1/{unsafe}{end}": b"MZ" for end in ("", ".meta")})
+    move()
+    assert mine.exists()
+    ugui = {"com.unity.ugui": {"depth": 0, "dependencies": {"com.unity.burst": "1"}}, "com.unity.burst": {"depth": 1}}
+    put(project, {"Packages/packages-lock.json": json.dumps({"dependencies": ugui})})
+    assert f"deleted {TARGET}/Plugins/{unsafe}: another package brings it" in move()
+    assert not mine.exists()
+    moving.undo(project, force=False)
+    left = listing(project)
+    assert {name: left[name] for name in before} == before and not (project / TARGET).exists()
 
 
 def test_the_copied_scripts_are_no_lessons_examples():
