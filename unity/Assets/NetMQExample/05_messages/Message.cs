@@ -6,15 +6,12 @@
 //
 // Values are texts, numbers, true and false by name. A reply has the request's id, and its kind is "ok", or "error"
 // with the values "code", for programs, and "text", for people. Fields that this version does not know are ignored.
-// It needs Newtonsoft.Json, in Unity the package com.unity.nuget.newtonsoft-json, and neither NetMQ nor UnityEngine.
-// The Python side is messages.py.
+// It needs MessageReader.cs and MessageWriter.cs, and neither NetMQ nor UnityEngine. The Python side is messages.py.
 using System;
 using System.Collections.Generic;
 using System.Globalization;
 using System.IO;
-using System.Linq;
 using System.Runtime.InteropServices;
-using System.Text;
 
 namespace NetMQExample
 {
@@ -61,7 +58,9 @@ namespace NetMQExample
             Data = data;
             Shape = shape ?? throw new ArgumentNullException(null, "shape must not be null");
             // In double, which no product of eight sizes overflows.
-            if (shape.Aggregate((double)SizeOf(dtype), (product, length) => product * length) != data.Length)
+            double size = SizeOf(dtype);
+            foreach (var length in shape) size *= length;
+            if (size != data.Length)
                 throw new MessageException("bad-shape",
                     $"{dtype} [{string.Join(", ", shape)}] is not {data.Length} bytes");
         }
@@ -69,7 +68,7 @@ namespace NetMQExample
         internal static int SizeOf(string dtype) => Kinds.TryGetValue(dtype, out var kind)
             ? kind.Size
             : throw new MessageException("bad-dtype",
-                $"dtype {MessageJson.Shown(dtype)} is none of {string.Join(", ", Kinds.Keys)}");
+                $"dtype {MessageWriter.Shown(dtype)} is none of {string.Join(", ", Kinds.Keys)}");
 
         /// <summary>The kind of number: uint8, uint16, int32, int64, float32 or float64.</summary>
         public string Dtype { get; }
@@ -117,15 +116,27 @@ namespace NetMQExample
 
         /// <summary>The first frame; the arrays' bytes are the others.</summary>
         /// <exception cref="MessageException">A value has no place in a header, or it is too large.</exception>
-        public string Header()
+        public string Header() => WriteHeader(new MessageWriter()).ToString();
+
+        /// <summary>The same, in a buffer that is used again.</summary>
+        internal MessageWriter WriteHeader(MessageWriter json)
         {
-            foreach (var value in Values) Checked(value.Key, value.Value);
-            var arrays = Arrays.Select(array =>
-                new Dictionary<string, object> { ["dtype"] = array.Dtype, ["shape"] = array.Shape });
-            var header = MessageJson.Write(new Dictionary<string, object>
-            { ["kind"] = Kind, ["version"] = Version, ["id"] = Id, ["values"] = Values, ["arrays"] = arrays });
-            RefuseTooLarge(Encoding.UTF8.GetByteCount(header), Arrays.Sum(array => (long)array.Data.Length));
-            return header;
+            json.Begin().Add("{\"kind\":").Text(Kind).Add(",\"version\":").Whole(Version).Add(",\"id\":").Whole(Id);
+            json.Add(",\"values\":{");
+            foreach (var value in Values)
+                json.Comma().Text(value.Key).Add(":").Value(Checked(value.Key, value.Value));
+            json.Add("},\"arrays\":[");
+            var size = 0L;
+            foreach (var array in Arrays)
+            {
+                json.Comma().Add("{\"dtype\":").Text(array.Dtype).Add(",\"shape\":[");
+                foreach (var length in array.Shape) json.Comma().Whole(length);
+                json.Add("]}");
+                size += array.Data.Length;
+            }
+            json.Add("]}");
+            RefuseTooLarge(json.Written.Length, size);
+            return json;
         }
 
         // Also before it is sent: a peer may hang up on it, without a word.
@@ -140,21 +151,41 @@ namespace NetMQExample
         /// <exception cref="MessageException">They are no message; its text says why.</exception>
         public static Message Read(IReadOnlyList<ReadOnlyMemory<byte>> frames)
         {
-            RefuseTooLarge(frames[0].Length, frames.Skip(1).Sum(frame => (long)frame.Length));
-            var header = MessageJson.Read(frames[0].Span);
+            var size = 0L;
+            for (var i = 1; i < frames.Count; i++) size += frames[i].Length;
+            RefuseTooLarge(frames[0].Length, size);
+            var json = new MessageReader(frames[0].Span);
+            // Where the value of each field begins. Of two with one name the last counts.
+            int version = 0, kind = 0, id = 0, values = 0, arrays = 0;
+            for (json.Open("version"); json.More();)
+            {
+                var name = json.Name();
+                var at = json.Skip();
+                if (name == "version") version = at;
+                else if (name == "kind") kind = at;
+                else if (name == "id") id = at;
+                else if (name == "values") values = at;
+                else if (name == "arrays") arrays = at;
+            }
             // The version comes first: another one may have other fields.
-            if (Take<long>(header, "version") != Version)
+            if (json.Whole("version", version) != Version)
                 throw new MessageException("bad-version", $"not version {Version}: are both sides of one release?");
-            var message = new Message(Take<string>(header, "kind"), Take<long>(header, "id"));
+            var message = new Message(json.Text("kind", kind), json.Whole("id", id));
             if (message.Id < 0 || message.Id >= Exact)
                 throw new MessageException("bad-value", "'id' must be 0 to 2**53 - 1");
-            foreach (var value in Take<Dictionary<string, object>>(header, "values"))
-                message.Values[value.Key] = Checked(value.Key, value.Value);
-            var arrays = Take<List<object>>(header, "arrays");
-            if (arrays.Count != frames.Count - 1)
+            for (json.Go("values", values, '{'); json.More();)
+            {
+                var name = json.Name();
+                message.Values[name] = json.Value();
+            }
+            foreach (var value in message.Values) Checked(value.Key, value.Value);
+            var count = 0;
+            for (json.Go("arrays", arrays, '['); json.More(); count++) json.Skip();
+            if (count != frames.Count - 1)
                 throw new MessageException("bad-frames",
-                    $"the header lists {arrays.Count} arrays, but {frames.Count - 1} frames follow it");
-            message.Arrays.AddRange(arrays.Zip(frames.Skip(1), ReadArray));
+                    $"the header lists {count} arrays, but {frames.Count - 1} frames follow it");
+            json.Go("arrays", arrays, '[');
+            for (var i = 1; json.More(); i++) message.Arrays.Add(ReadArray(ref json, frames[i]));
             return message;
         }
 
@@ -167,27 +198,32 @@ namespace NetMQExample
             throw new MessageException(LogText.Printable($"{code}"), LogText.Printable($"{text}"), Id);
         }
 
-        private static MessageArray ReadArray(object array, ReadOnlyMemory<byte> data)
+        private static MessageArray ReadArray(ref MessageReader json, ReadOnlyMemory<byte> data)
         {
-            var dtype = Take<string>(array, "dtype");
-            var shape = Take<List<object>>(array, "shape");
-            var whole = shape.All(length => length is long size && size >= 0 && size <= LimitBytes);
+            int dtype = 0, shape = 0, count = 0;
+            for (json.Open("dtype"); json.More();)
+            {
+                var name = json.Name();
+                var at = json.Skip();
+                if (name == "dtype") dtype = at;
+                else if (name == "shape") shape = at;
+            }
+            var end = json.At;
+            var type = json.Text("dtype", dtype);
             // Its items are counted also where a 0 makes nothing of them: numpy takes no larger shape.
-            if (shape.Count > 8 || !whole
-                || shape.Aggregate(1.0, (all, one) => all * Math.Max(1, (long)one)) > LimitBytes)
-                throw new MessageException("bad-shape",
-                    $"a shape is at most 8 whole numbers, of at most {LimitBytes} items");
-            return new MessageArray(dtype, data, shape.Select(length => (int)(long)length).ToArray());
-        }
-
-        private static T Take<T>(object where, string name)
-        {
-            if (!(where is Dictionary<string, object> fields))
-                throw new MessageException("wrong-type", $"expected an object with '{name}'");
-            if (!fields.TryGetValue(name, out var value))
-                throw new MessageException("missing-field", $"there is no '{name}'");
-            if (value is T right) return right;
-            throw new MessageException("wrong-type", $"'{name}' must be {typeof(T).Name}");
+            var items = 1.0;
+            Span<int> lengths = stackalloc int[8];
+            for (json.Go("shape", shape, '['); json.More();)
+            {
+                var whole = json.IsWhole(out var length, out _);
+                items *= Math.Max(1, length);
+                if (!whole || length < 0 || count == lengths.Length || items > LimitBytes)
+                    throw new MessageException("bad-shape",
+                        $"a shape is at most 8 whole numbers, of at most {LimitBytes} items");
+                lengths[count++] = (int)length;
+            }
+            json.At = end;
+            return new MessageArray(type, data, lengths.Slice(0, count).ToArray());
         }
 
         internal static object Checked(string name, object value)
@@ -195,12 +231,12 @@ namespace NetMQExample
             if (value is string || value is bool) return value;
             if (!(value is int || value is long || value is float || value is double))
                 throw new MessageException("wrong-type",
-                    $"value {MessageJson.Shown(name)} must be text, a number, true or false");
+                    $"value {MessageWriter.Shown(name)} must be text, a number, true or false");
             var most = value is float || value is double ? double.PositiveInfinity : Exact;
             // NaN is not less than anything.
             if (Math.Abs(Convert.ToDouble(value, CultureInfo.InvariantCulture)) < most) return value;
             throw new MessageException("bad-value",
-                $"value {MessageJson.Shown(name)} is not finite, or too large to be exact");
+                $"value {MessageWriter.Shown(name)} is not finite, or too large to be exact");
         }
     }
 }

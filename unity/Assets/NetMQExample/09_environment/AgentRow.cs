@@ -193,7 +193,7 @@ namespace NetMQExample
             var own = all.Select(source => (Source: source, Text: source.For(agent)))
                 .OrderBy(one => one.Text, StringComparer.Ordinal).ToArray();
             sources = Array.ConvertAll(own, one => one.Source);
-            keys = Array.ConvertAll(own, one => $"[{MessageJson.Quoted(one.Text)},");
+            keys = Array.ConvertAll(own, one => $"[{MessageWriter.Quoted(one.Text)},");
             forms = new string[own.Length];
             whole = null;
         }

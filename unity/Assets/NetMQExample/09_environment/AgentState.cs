@@ -182,7 +182,7 @@ namespace NetMQExample
                 if (Array.IndexOf(Reserved, name) >= 0 || name.StartsWith("_", StringComparison.Ordinal)
                     && info.ContainsKey(name.Substring(1)))
                     throw new MessageException("bad-info",
-                        $"these names are the environment's own: {MessageJson.Shown(name)}; {Name} has it");
+                        $"these names are the environment's own: {MessageWriter.Shown(name)}; {Name} has it");
         }
 
         private static Locator ScopeOf(string name) => Locator.Parse(LocatorMapping.Quoted(name) + "@");

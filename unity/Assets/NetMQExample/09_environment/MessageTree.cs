@@ -92,7 +92,7 @@ namespace NetMQExample
                 throw Bad($"its form has {bytes.Length} bytes, and {MostFormBytes} at most");
             var text = Encoding.ASCII.GetString(bytes.Span);
             if (Forms.TryGetValue(text, out var form)) return form;
-            try { form = MessageJson.Read(bytes.Span); }
+            try { form = new MessageReader(bytes.Span).Value(); }
             catch (Exception e) when (e is ArgumentException || e is MessageException) { throw Bad(e.Message); }
             // A peer that sends ever new ones, or long ones, fills no memory.
             if (Forms.Count > MostForms) Forms.Clear();
@@ -127,7 +127,7 @@ namespace NetMQExample
                     var first = true;
                     foreach (var part in parts)
                     {
-                        form.Append(first ? "" : ",").Append(MessageJson.Quoted(part.Key)).Append(':');
+                        form.Append(first ? "" : ",").Append(MessageWriter.Quoted(part.Key)).Append(':');
                         Add(form, numbers, part.Value, depth + 1);
                         first = false;
                     }
@@ -214,7 +214,7 @@ namespace NetMQExample
         private static (string, int[]) Known(string form)
         {
             var parts = ArrayForm.Match(form);
-            if (!parts.Success) throw Bad($"{MessageJson.Shown(form)} is no form");
+            if (!parts.Success) throw Bad($"{MessageWriter.Shown(form)} is no form");
             var shape = parts.Groups[2].Value.Split(new[] { ',' }, StringSplitOptions.RemoveEmptyEntries)
                 .Select(length => int.Parse(length, CultureInfo.InvariantCulture)).ToArray();
             if (Arrays.Count > MostForms) Arrays.Clear();

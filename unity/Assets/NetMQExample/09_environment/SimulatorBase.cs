@@ -96,7 +96,7 @@ namespace NetMQExample
 
         /// <summary>To throw: the request is unknown.</summary>
         protected static MessageException Unknown(Message request, string known) => new MessageException("unknown-kind",
-            $"kind {MessageJson.Shown(request.Kind)} is none of reset, step, {known}, close");
+            $"kind {MessageWriter.Shown(request.Kind)} is none of reset, step, {known}, close");
 
         private Message Refusal(Exception e)
         {

@@ -87,7 +87,7 @@ namespace NetMQExample
             {
                 case "text":
                     var text = MessageParts.ReadText(ref from);
-                    return Fits(part, text) ? text : throw NotInSpace($"{MessageJson.Shown(text)} is");
+                    return Fits(part, text) ? text : throw NotInSpace($"{MessageWriter.Shown(text)} is");
                 case "dict":
                     var dict = new Dictionary<string, object>();
                     for (var i = 0; i < part.Parts.Length; i++) dict[part.Keys[i]] = Decode(part.Parts[i], ref from);

@@ -143,7 +143,7 @@ namespace NetMQExample
                 var wanted = request.Values.GetValueOrDefault("view") as string ?? "";
                 return views.FirstOrDefault(view => view.Name == wanted) is FilmView found
                     ? found.Do(request)
-                    : throw new MessageException("unknown-view", $"there is no view {MessageJson.Shown(wanted)}; "
+                    : throw new MessageException("unknown-view", $"there is no view {MessageWriter.Shown(wanted)}; "
                         + $"there are: {string.Join(", ", views.Select(view => view.Name))}");
             }
             catch (MessageException e)

@@ -59,7 +59,7 @@ namespace NetMQExample.MLAgents
         }
 
         public override Message Say(Message request) => throw new MessageException("unknown-kind",
-            $"kind {MessageJson.Shown(request.Kind)}: a scene by its own clock knows reset, step and close alone; "
+            $"kind {MessageWriter.Shown(request.Kind)}: a scene by its own clock knows reset, step and close alone; "
             + "infos and pictures go through side channels and sensors");
 
         public override bool Do(StepRequest request, StepAnswer answer, bool again)
