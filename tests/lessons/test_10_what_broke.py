@@ -19,16 +19,13 @@ from netmq_example.messages import MessageError  # noqa: E402
 from netmq_example.scene import Agent, Scene, SceneSimulator  # noqa: E402
 from netmq_example.wire import records  # noqa: E402
 from netmq_example.wire.records import (  # noqa: E402
-    ABSENT,
     ANSWERS,
     FORM,
-    NEW,
     NOTHING,
     REAL_TIME,
     RESET,
     SEEN,
     STEP,
-    TERMINATED,
     Record,
     Section,
 )
@@ -76,11 +73,10 @@ class Sea(Scene):
 def sea(inside, make):
     """sea(UnityGymEnv, scene, …): an environment of this scene."""
 
-    def made(kind, scene, clock=None, answer=None, **more):
+    def made(kind, scene, clock=None, **more):
         simulator = SceneSimulator(scene, **({"clock": clock} if clock else {}))
-        one = inside(simulator, (lambda request: [answer(simulator, request)]) if answer else None)
         words = (2, "Sea") if kind is UnityVectorEnv else ("Sea",)
-        return make(kind, *words, socket=one.socket, **more)
+        return make(kind, *words, socket=inside(simulator).socket, **more)
 
     return made
 
@@ -105,38 +101,16 @@ def test_time_away_is_no_step(mode, sea):
     assert seen[again - 4 : again] == [0, 1, 2, 3], "it came back for four whole steps"
 
 
-def test_one_out_and_one_in_at_once_is_one_out():
-    calls: list[str] = []
-    one, other, third = Fish(), Fish(), Fish()
-    scene = Sea([one, other], at_most={"cod": 3})
-
-    def swap(action):
-        scene.remove(other)
-        scene.add(third)
-
-    one.on_action = swap
-    for name in ("on_action", "on_tick", "on_stepped"):
-        setattr(other, name, lambda *given, name=name: calls.append(name))
-    asks = Asks(SceneSimulator(scene))
-    asks.all(RESET)
-    assert asks.ask([asks.section([STEP, STEP, NOTHING])]).sections[0].marks == bytes([SEEN, ABSENT, SEEN | NEW])
-    assert calls == []
-
-
-def respawning(*others):
+def test_who_is_replaced_is_told_first(sea):
     one = Fish(1)
-    scene = Sea([one, *others])
+    scene = Sea([one])
 
     def swap():
         scene.remove(one)
         scene.add(Fish(2))
 
     one.on_steps = {3: swap}
-    return scene
-
-
-def test_who_is_replaced_is_told_first(sea):
-    env = sea(UnityGymEnv, respawning())
+    env = sea(UnityGymEnv, scene)
     env.reset(seed=1)
     steps = [env.step(0) for _ in range(3)]
     assert [step[1:4] for step in steps] == [(1, False, False)] * 2 + [(1, False, True)]
@@ -145,19 +119,6 @@ def test_who_is_replaced_is_told_first(sea):
         env.step(0)
     assert env.reset()[0].tolist() == [2, 0]
     assert env.step(0)[0].tolist() == [2, 1]
-
-
-@MODES
-def test_who_is_replaced_in_a_vector_is_told_first(mode, sea):
-    env = sea(UnityVectorEnv, respawning(Fish(5)), autoreset_mode=mode)
-    env.reset(seed=1)
-    for at in (1, 2, 3):
-        _, earned, _, truncated, _ = env.step(BOTH)
-        assert (earned.tolist(), truncated.tolist()) == ([1, 1], [at == 3, False])
-    assert "it has left" in (env.final_infos if mode == "SameStep" else env.infos)[0]["lost"]
-    seen, earned, _, truncated, _ = env.step(BOTH)
-    assert (seen.tolist(), earned.tolist(), truncated.any()) == ([[2, 0], [5, 4]], [0, 1], False)
-    assert env.step(BOTH)[0].tolist() == [[2, 1], [5, 5]]
 
 
 def test_who_leaves_while_another_one_is_reset_is_cut_once(sea):
@@ -183,30 +144,6 @@ def test_who_is_not_there_at_the_beginning_is_not_cut(mode, sea):
     env = sea(UnityVectorEnv, scene, autoreset_mode=mode)
     env.reset(seed=1)
     assert not any(env.step(BOTH)[3].any() for _ in range(3))
-
-
-def test_who_is_away_has_no_rewards_and_no_ends(sea):
-    one, other = Fish(), Fish()
-    scene = Sea([one, other])
-    scene.plan = {1: lambda: scene.remove(other)}
-
-    def answer(simulator, request):
-        """It says so all the same."""
-        frames = simulator.answer(request)
-        if not isinstance(request, Record):
-            return frames
-        record = records.read_frames(ANSWERS, frames)
-        (section,) = record.sections
-        if section.marks[1] & ABSENT:
-            section.marks = bytes([section.marks[0], ABSENT | (TERMINATED if scene.step > 1 else 0)])
-            section.numbers = rewards([1, 7])
-        return record.frames()
-
-    env = sea(UnityVectorEnv, scene, answer=answer)
-    env.reset(seed=1)
-    steps = [env.step(BOTH) for _ in range(4)]
-    assert [step[1].tolist() for step in steps] == [[1, 7]] + [[1, 0]] * 3, "what it has earned until it left it keeps"
-    assert [(step[2].any(), step[3].tolist()) for step in steps] == [(False, [False, at == 0]) for at in range(4)]
 
 
 # What others send

@@ -23,7 +23,6 @@ from netmq_example.envs import merge as fit  # noqa: E402
 from netmq_example.envs.actions import Actions  # noqa: E402
 from netmq_example.envs.kinds import Kind  # noqa: E402
 from netmq_example.envs.plan import Sight  # noqa: E402
-from netmq_example.locator import parse  # noqa: E402
 from netmq_example.messages import Message, MessageError  # noqa: E402
 from netmq_example.scene import Agent, Obs, Scene, SceneSimulator  # noqa: E402
 from netmq_example.wire import records, sections, trees  # noqa: E402
@@ -196,39 +195,10 @@ def test_a_key_that_nothing_writes_is_named_at_reset_also_in_a_dict(world):
         world(scene=seeing(np.zeros(2))).reset(seed=1)
 
 
-WHERE = {"endpoint": "tcp://127.0.0.1:*", "wait": 0.1}
-TWO_AGENTS = {"observation_spaces": {"a": ONE, "b": ONE}, "action_spaces": {"a": ONE, "b": ONE}}
-
-
-def parallel_env(**words):
-    return UnityParallelEnv(**{"env_name": "Cars", **TWO_AGENTS, **WHERE, **words})
-
-
-def scene(name="Cars", agents=(), dt=0.1):
-    return Scene(name, agents, dt)
-
-
-@pytest.mark.parametrize(
-    ("make", "words", "named"),
-    [
-        *((parallel_env, {name: {"a": 5}}, name[:-1]) for name in TWO_AGENTS),
-        (parallel_env, {"observation_spaces": {5: ONE}}, "the name of an agent"),
-        *((Agent, {"name": name}, "name") for name in ("", 0)),
-        *((scene, {"name": name}, "name") for name in ("", None, 0)),
-        *((scene, {"dt": dt}, "dt") for dt in (0, -1, None, float("nan"), "1")),
-        *((scene, {"agents": agents}, "agents|iterable") for agents in (None, [5], [Agent], 0, "", b"", {})),
-        *((Obs, {"locator": locator}, "^locator") for locator in (None, 0, b".speed")),
-        *((parse, {"text": text}, "text") for text in (0, b"car@", ["car@"])),
-        (parse, {"text": "a@", "name": 0}, "name"),
-        (parse, {"text": "a", "scope": "car@"}, "scope"),
-        (fit.merge, {"observations": {}, "locator": "car@", "value": 1, "appended": set()}, "locator"),
-        *((fit.fitted, {"space": space, "value": 1, "where": "x"}, "^x: ") for space in (None, 5, Own)),
-    ],
-)
-def test_what_nothing_can_be_made_of_is_named_at_once(make, words, named):
-    with pytest.raises((ValueError, TypeError), match=named) as refusal:
-        make(**words)
-    assert "\n" not in str(refusal.value)
+@pytest.mark.parametrize("space", [None, 5, Own])
+def test_what_is_no_space_of_a_value_is_named_with_its_place(space):
+    with pytest.raises((ValueError, TypeError), match=r"^x: "):
+        fit.fitted(space, 1, "x")
 
 
 # Agents by attributes

@@ -224,62 +224,6 @@ def test_what_a_game_could_not_read_is_not_sent(films, game):
 
 
 NOTHING = (0, -1, None, float("nan"), "")
-PIXELS = np.zeros((2, 2, 3), np.uint8)
-
-
-def writing(end):
-    """A film that has one picture."""
-    film = film_writer.open_film(f"film{end}")
-    film.add(PIXELS, 0.0)
-    return film
-
-
-def taking(pixels):
-    """For a view that is being filmed."""
-    view = FilmView("one", 2, 2)
-    view.begin(Message("begin", 1, {"view": "one", "width": 2, "height": 2, "fps": 25.0}))
-    view.take(view.due(), pixels)
-
-
-def sending(**words):
-    return ViewSender(**{"endpoint": "tcp://127.0.0.1:5562", "timeout": 1, **words})
-
-
-@pytest.mark.parametrize(
-    ("call", "wrong", "named"),
-    [
-        (lambda it: Films("tcp://127.0.0.1:*", timeout=it), NOTHING, "timeout"),
-        (lambda it: Films(it), (0, -1, None, ""), "endpoint"),
-        (lambda it: Films(it), ("tcp://127.0.0.1:99999", "nonsense"), "write it like tcp://127.0.0.1:5562"),
-        (lambda it: Films("tcp://127.0.0.1:*", socket=it), (0, 5, "", []), "^socket"),
-        (lambda it: ViewFilm(it, None, 25), (0, None, b"x"), "^view"),
-        (lambda it: sending(endpoint=it), (*NOTHING, "tcp://127.0.0.1:0"), "endpoint"),
-        (lambda it: sending(timeout=it), NOTHING, "timeout"),
-        (lambda it: FilmView(it, 8, 8), (*NOTHING, "bad/name"), "^a view"),
-        (lambda it: FilmView("one", it, 8), (*NOTHING, 1.5), "^a view"),
-        (lambda it: FilmView("one", 8, it), (*NOTHING, 1.5), "^a view"),
-        (lambda it: FilmView("one", it, it), (8000,), "^a view"),
-        (lambda it: film_writer.open_film(it), (*NOTHING, "film", "film.apng"), "path|no film"),
-        (lambda it: film_writer.open_film("film.gif", it), (*NOTHING, 1001), "fps"),
-        (
-            lambda it: writing(".gif").add(it, 0.1),
-            (*NOTHING, PIXELS[0, 0], PIXELS[:0], PIXELS / 1),
-            "^picture takes uint8",
-        ),
-        (lambda it: writing(".gif").add(it, 0.1), (PIXELS[:1],), "^picture takes the size of the first one"),
-        (lambda it: writing(".gif").add(PIXELS, it), NOTHING[2:], "time"),
-        (lambda it: writing(".mp4").close(it), NOTHING[2:], "time"),
-        (taking, (*NOTHING, PIXELS[:1], PIXELS / 1), "pixels"),
-    ],
-)
-def test_what_nothing_can_be_made_of_is_named_at_once(call, wrong, named, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    for number, value in enumerate(wrong):
-        (tmp_path / str(number)).mkdir()
-        monkeypatch.chdir(tmp_path / str(number))
-        with pytest.raises((ValueError, TypeError), match=named) as refusal:
-            call(value)
-        assert "\n" not in str(refusal.value)
 
 
 @pytest.mark.parametrize(
