@@ -2,7 +2,6 @@
 
 import errno
 import importlib
-import io
 import json
 import os
 import pkgutil
@@ -19,10 +18,9 @@ from pathlib import Path
 import pytest
 
 import kit
-from kitlib import commands, lessons, programs, signals, terminal
-from kitlib.commands import doctor, pack
+from kitlib import commands, lessons, programs, signals
+from kitlib.commands import doctor
 from kitlib.commands import run as runner
-from kitlib.commands import server as served
 from kitlib.commands import test as tests_command
 from kitlib.docs import guide
 from kitlib.lessons import KitError
@@ -61,18 +59,8 @@ def bare_python(tmp_path):
     return tmp_path / "bare" / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
 
 
-def test_list_names_every_lesson_of_the_folders():
-    ((code, lines),) = kit_runs(["list"])
-    at = lines.index("applications:")
-    folders = sorted(path.parent.name for path in (ROOT / "python").glob("[0-9]*/server.py"))
-    assert (code, lines[0]) == (0, "lessons:")
-    assert [line.split()[0] for line in lines[1:at]] == [name for name in folders if name < "20"]
-    assert [line.split()[0] for line in lines[at + 1 :]] == [name for name in folders if name >= "20"]
-
-
-@pytest.mark.parametrize("client", ["python", "csharp"])
-def test_run_shows_both_sides_and_ends_with_the_clients_code(client, netmq, start):
-    words = ["--client", client, "--endpoint", "tcp://127.0.0.1:0"]
+def test_run_shows_both_sides_and_ends_with_the_clients_code(start):
+    words = ["--client", "python", "--endpoint", "tcp://127.0.0.1:0"]
     program = start(PYTHON, KIT, "run", "1", *words, UNHURRIED)
     assert program.wait(500) == 0, program.output
     assert "client | done: 10 replies" in program.lines
@@ -80,42 +68,6 @@ def test_run_shows_both_sides_and_ends_with_the_clients_code(client, netmq, star
     failing = start(PYTHON, KIT, "run", "01", *words, "--server=--delay 30", "--options=--timeout 0.2")
     assert failing.wait(500) == 1, failing.output
     assert any(line.startswith("client | gave up") for line in failing.lines)
-
-
-def test_a_build_that_failed_or_lacks_what_it_refers_to_is_made_again(netmq, tmp_path, monkeypatch):
-    built = []
-
-    def dll_of(name):
-        return tmp_path / "bin" / name / "release" / f"{name}.dll"
-
-    def step(what, command, *_):
-        built.append(what)
-        for name in ("own", *dotnet.LIBRARIES):
-            put(dll_of(name), b"")
-        return Result(int("fails" in source.read_text()), "x.cs(1,1): error CS1002")
-
-    source = put(tmp_path / "own" / "a.cs", b"")
-    put(tmp_path / "own" / "own.csproj", b"")
-    for name, value in {"BUILD": tmp_path, "LOCK": tmp_path / "lock", "step": step}.items():
-        monkeypatch.setattr(dotnet, name, value)
-    for _ in range(2):
-        dotnet.build(netmq, source.parent)
-    assert len(built) == 1
-    # Another project's build was interrupted.
-    dll_of("NetMQExample").unlink()
-    dotnet.build(netmq, source.parent)
-    assert len(built) == 2
-    source.write_text("fails")
-    for _ in range(2):
-        with pytest.raises(dotnet.DoesNotCompile, match="CS1002"):
-            dotnet.build(netmq, source.parent)
-    assert len(built) == 4
-
-
-def put(path, data):
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_bytes(data)
-    return path
 
 
 class Stopped(Program):
@@ -322,35 +274,6 @@ def test_a_lesson_is_tested_without_what_only_the_others_need():
     ignored = {Path(word.partition("=")[2]).name for word in words if word.startswith("--ignore=")}
     assert {"test_05_messages.py", "test_17_ray.py"} < ignored
     assert not [name for name in ignored if name.startswith(("test_08_", "test_contract"))]
-    extras = tests_command.optional(lessons.find("8"))
-    assert extras[0] == "tests-more" and extras[-1] == "08_see_and_steer"
-    assert "pettingzoo" in str(python_setup.needs(*tests_command.optional(lessons.find("10"))))
-    assert "pettingzoo" not in str(python_setup.needs(*extras))
-    assert not {"ray", "style"} & {*python_setup.tests_extras()}
-
-
-@pytest.mark.parametrize(
-    ("on_terminal", "env", "colour"),
-    [
-        (True, {}, True),
-        (False, {}, False),
-        (True, {"NO_COLOR": "1"}, False),
-        (True, {"NO_COLOR": ""}, True),
-        (True, {"TERM": "dumb"}, False),
-    ],
-)
-def test_colour_is_for_terminals_that_want_it(on_terminal, env, colour, monkeypatch):
-    monkeypatch.delenv("NO_COLOR", raising=False)
-    for name, value in {"TERM": "xterm", **env}.items():
-        monkeypatch.setenv(name, value)
-    monkeypatch.setattr(terminal, "windows_console", lambda _: True)
-    # It is that of the errors which counts for an error.
-    screens = {"stdout": io.StringIO(), "stderr": io.StringIO()}
-    for name, screen in screens.items():
-        monkeypatch.setattr(sys, name, screen)
-        monkeypatch.setattr(screen, "isatty", lambda found=(name == "stderr") == on_terminal: found)
-    commands.complain("wrong")
-    assert ("\033[31m" in screens["stderr"].getvalue()) == colour
 
 
 def test_where_nothing_helps_one_line_says_what_to_run(monkeypatch, tmp_path):
@@ -453,19 +376,6 @@ def test_why_pip_did_not_fill_the_venv_is_said(settings, result, said, monkeypat
         python_setup.from_pip(["pyzmq>=1"], ["pyzmq>=1"])
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="only there an environment has a folder that must be a link")
-def test_in_a_folder_that_takes_no_links_a_lesson_runs(copy, bare_python):
-    """A stick, a folder that a virtual machine shares, a network's drive."""
-    has_wheels()
-    (site,) = bare_python.parents[1].glob("lib/*/site-packages")
-    (site / "sitecustomize.py").write_text(
-        "import os\ndef no(*_, **__): raise PermissionError(1, 'no')\nos.symlink = no"
-    )
-    done = finished([*own_run(copy, bare_python, "--client", "python"), UNHURRIED])
-    assert done.stdout.splitlines()[-1] == "client | done: 10 replies", done.stdout
-    assert (copy / ".venv" / "lib64").is_dir() and not (copy / ".venv" / "lib64").is_symlink()
-
-
 @pytest.mark.skipif(os.name == "nt", reason="Windows has other names, and asks before it makes a link")
 @pytest.mark.parametrize("python", ["Scripts/python.exe", "python.exe"])
 def test_a_venv_that_is_not_ours_stays(python, monkeypatch, tmp_path, capsys):
@@ -509,31 +419,16 @@ def test_output_that_cannot_be_written_ends_nothing(streams, said):
 
 
 @pytest.mark.parametrize(
-    ("output", "why"),
-    [
-        ("error NU1102: Unable to find package NetMQ with version (= 4.0.4.5)", "NuGet does not hold NetMQ"),
-        ("error NU1100: Unable to resolve 'NetMQ'", "no source of NuGet's holds NetMQ (with internet: dotnet nuget"),
-        ("error NU1100: PackageSourceMapping is enabled", "no source for NetMQ and what it needs: add the pattern"),
-    ],
-)
-def test_a_refusal_of_nuget_is_named(output, why):
-    assert dotnet.refusal(Result(1, output)).startswith(why)
-
-
-@pytest.mark.parametrize(
     ("output", "restore", "build"),
     [
         ("x.csproj : error MSB4025: No project.", "error MSB4025: No project.; is the SDK whole?", "(x.csproj : error"),
-        # .NET names it before the stack, and Python after.
         (
             "Unhandled exception: System.Exception: denied\n   at Main()",
             "System.Exception: denied;",
             "Exception: denied)",
         ),
-        ("Traceback (most recent call last)\n  File x\nOSError: denied", "OSError: denied;", "(OSError: denied)"),
         ("error MSB3491: Access to the path '{}' is denied.", "{} cannot be written", "{} cannot be written"),
         ("x(1,1): error MSB3021: Unable to copy. No space left on device", "No space left", "the disk is full: "),
-        ("error MSB3027: The file is locked by: '.NET Host (4711)'", "MSB3027", "the C# build cannot replace"),
     ],
 )
 def test_a_failure_of_dotnet_is_said_in_one_line(output, restore, build, tmp_path):
@@ -592,15 +487,6 @@ def test_a_folder_may_have_any_name(netmq, copy):
     assert "'" not in read["OutDir"]
 
 
-def test_where_no_router_is_the_command_that_shows_the_address_is_named(monkeypatch):
-    class Alone(socket.socket):
-        def connect(self, _):
-            raise OSError("Network is unreachable")
-
-    monkeypatch.setattr(socket, "socket", Alone)
-    assert re.fullmatch("its address, which `(hostname -I|ipconfig|ifconfig)` shows", served.address())
-
-
 def test_a_client_in_csharp_needs_no_package_of_its_lesson(monkeypatch):
     monkeypatch.setattr(python_setup, "interpreter", None)
     monkeypatch.setattr(dotnet, "find_netmq", dotnet.NetMQ)
@@ -618,17 +504,6 @@ def test_doctor_names_each_thing_once(start):
     assert [line for line in program.lines if " port 55" in line and line.startswith("ok")] == []
 
 
-def test_doctor_looks_for_what_a_webcam_needs_and_imports_none_of_it(bare_python, tmp_path, monkeypatch):
-    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
-    lesson = lessons.find("20")
-    cure = f"no mediapipe; `{bare_python} -m pip install mediapipe` installs it"
-    row = (False, "body", f"optional, for lesson 20: {cure}")
-    assert list(doctor.optional_rows(bare_python, lesson)) == [row]
-    (tmp_path / "mediapipe").mkdir()
-    (tmp_path / "mediapipe" / "__init__.py").write_text("raise SystemExit('imported')")
-    assert list(doctor.optional_rows(bare_python, lesson)) == [(True, "body", "optional, for lesson 20: there")]
-
-
 def own_run(copy, python, *words):
     """The words that run lesson 01 in the copy."""
     return [python, copy / "kit.py", "run", "1", "--endpoint", "tcp://127.0.0.1:0", *words]
@@ -639,16 +514,13 @@ def test_no_first_line_sends_windows_to_another_python():
     assert KIT.read_text(encoding="utf-8").startswith('"""')
 
 
-@pytest.mark.parametrize("kind", ["python", "csharp"])
-def test_server_and_client_are_the_halves_of_run(kind, request, start):
-    if kind == "csharp":
-        request.getfixturevalue("console")
+def test_server_and_client_are_the_halves_of_run(start):
     mark = Mark()
     everywhere = ["--endpoint", "tcp://0.0.0.0:0", "--open-to-anyone"]
     server = start(PYTHON, KIT, "server", "1", *everywhere, **mark.environment)
     assert re.search(r"other machines connect to (\d+\.|its address, but)", server.wait_for("^kit ").string)
     endpoint = server.wait_for(r"^listening on (\S+)")[1].replace("0.0.0.0", "127.0.0.1")
-    client = start(PYTHON, KIT, "client", "1", "--client", kind, "--endpoint", endpoint, "--count", "3")
+    client = start(PYTHON, KIT, "client", "1", "--client", "python", "--endpoint", endpoint, "--count", "3")
     assert client.wait(500) == 0, client.output
     assert client.lines[-1] == "done: 3 replies"
     refused = start(PYTHON, KIT, "client", "1", "--client", "python", "--cuont", "3")
@@ -921,30 +793,3 @@ def test_a_room_without_internet_runs_from_what_was_packed(copy, netmq, bare_pyt
     assert tests.wait(500) == 0, tests.output
     assert f"kit    | testing with {copy / '.venv'}" in tests.output
     assert "pip found no" not in tests.output
-
-
-def test_what_is_packed_fits_the_system(tmp_path, monkeypatch):
-    """Pip knows on which system it runs, and not for which one it fetches."""
-    asked = []
-    monkeypatch.setattr(dotnet, "sdk", lambda: "10.0.100")
-    monkeypatch.setattr(pack, "nuget", lambda _: None)
-    monkeypatch.setattr(pack, "step", lambda what, command, *_: asked.append(command) or Result(0, ""))
-    for system, kinds in {"windows": ["win_amd64"], "macos": ["arm64", "x86_64"], "linux": ["manylinux"]}.items():
-        asked.clear()
-        pack.do(commands.parse(pack, [str(tmp_path), "--system", system, "--python", "3.13"]))
-        platforms = [command[command.index("--platform") + 1] for command in asked]
-        assert all(kind in platform for kind, platform in zip(kinds, platforms, strict=True))
-        assert all(("colorama" in command) == (system == "windows") for command in asked)
-        assert all(command[command.index("--python-version") + 1] == "3.13" for command in asked)
-        assert "Python 3.13" in (tmp_path / f"READ_ME_{system}_3.13.txt").read_text(encoding="utf-8")
-    monkeypatch.setattr(pack, "step", lambda *_: Result(1, "ERROR: nothing fits"))
-    with pytest.raises(KitError, match=r"fetch them for win_amd64, Python 3\.14: ERROR: nothing fits; try again with"):
-        pack.do(commands.parse(pack, [str(tmp_path), "--system", "windows", "--python", "3.14"]))
-
-
-def test_who_has_never_restored_a_package_can_pack(tmp_path, monkeypatch):
-    """As a source, a folder that is not there is an error to NuGet."""
-    monkeypatch.setenv("NUGET_PACKAGES", str(tmp_path / "never" / "made"))
-    monkeypatch.setattr(pack, "step", lambda *_: Result(0 if (tmp_path / "never" / "made").is_dir() else 1, "error"))
-    pack.nuget(tmp_path)
-    assert "SPECIAL EXCEPTION" in (tmp_path / "licences" / "NetMQ-COPYING.LESSER.txt").read_text()

@@ -13,8 +13,6 @@ from tests.conftest import PYTHON
 from tests.programs import ROOT, finished
 
 PACKAGE = ROOT / "python" / "netmq_example"
-# Extras that are too large for a cell of the workflow, and those for who changes the kit.
-UNRUN = ("body", "ray", "sb3", "tests-more", "unity-tests", "style", "bench")
 
 
 @pytest.fixture(scope="module")
@@ -122,15 +120,3 @@ def test_what_a_lesson_needs_is_read_from_its_imports():
     }
     parts = {lesson.number: python_setup.large_extras(lesson) for lesson in lessons()}
     assert {number: [*some] for number, some in parts.items() if some} == {17: ["ray"], 20: ["body"]}
-
-
-def test_each_lowest_version_that_is_declared_is_one_that_is_run():
-    """That users' packages may have: by a cell of the workflow, with these very versions."""
-    lowest = dict(re.findall(r"^([\w-]+)==([\d.]+)$", (ROOT / "tests" / "lowest.txt").read_text(), re.MULTILINE))
-    declared = python_setup.needs(*(extra for extra in python_setup.all_extras() if extra not in UNRUN))
-    for need in declared:
-        package, _, version = need.partition(">=")
-        # 1.1 is 1.1.0.
-        assert f"{lowest.get(package)}.0".startswith(f"{version}.0"), need
-    workflow = (ROOT / ".github" / "workflows" / "test.yml").read_text(encoding="utf-8")
-    assert "packages: tests/lowest.txt" in workflow

@@ -139,21 +139,6 @@ def test_an_update_that_takes_nothing_from_the_network_thread_is_named(play, tmp
     assert code == 1 and [line.startswith(cause) for line in lines] == [True], lines
 
 
-def test_a_component_that_another_one_requires_has_its_fields_set(play, tmp_path):
-    text = """using NetMQExample;
-using UnityEngine;
-
-[RequireComponent(typeof(JobRunner))]
-public class Needs : MonoBehaviour
-{
-    private void Start() => Debug.Log(JsonUtility.ToJson(GetComponent<JobRunner>()));
-}
-"""
-    (tmp_path / "Needs.cs").write_text(text, encoding="utf-8")
-    _, lines = play("Needs.cs", "--kind", "bake", "--seconds", "1", folder=tmp_path)
-    assert any('"kind":"bake"' in line for line in lines), lines
-
-
 def test_a_changed_copy_of_the_kits_is_what_the_others_use(play, serve, tmp_path):
     """Also those that are unchanged copies; alone they are the kit's own."""
     source = ROOT / "unity/Assets/NetMQExample/01_request_reply"

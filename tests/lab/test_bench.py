@@ -9,7 +9,7 @@ import threading
 import pytest
 
 from kitlib.lessons import KitError
-from kitlib.setup import dotnet, python_setup
+from kitlib.setup import dotnet
 from lab import contest, report
 from lab import programs as lab
 from lab.contest import TCP, Contender, Lab, Row
@@ -89,16 +89,6 @@ def test_a_contender_that_fails_is_named_and_the_others_go_on(place, monkeypatch
     assert lost["rows"] == []
     assert "ended" in place.skipped["raw TCP (first)"]
     assert [row["label"] for row in found["rows"]] == ["raw TCP"]
-
-
-def test_what_is_missing_is_a_reason_to_skip(place, monkeypatch):
-    """A package that is not there, or too old as Debian 12's websockets 10, and Mono."""
-    monkeypatch.setattr(python_setup, "has", lambda _, needs: needs == ["aiohttp"])
-    needy = Contender("needy", "dotnet", "tcp", "tcp", package="no-such-package")
-    assert place.here(TCP, needy, contest.WEBSOCKET, *contest.elsewhere("mono", "on Mono")) == [TCP]
-    assert place.skipped["needy"] == 'it needs a package: pip install "no-such-package"'
-    assert re.fullmatch(r'it needs a package: pip install "websockets>=\d+"', place.skipped["WebSocket, websockets"])
-    assert "lesson 01, on Mono" in place.skipped
 
 
 def test_a_ratio_is_taken_within_a_round():

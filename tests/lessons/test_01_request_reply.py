@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shlex
 import shutil
 import signal
@@ -49,25 +48,15 @@ os.execvp(sys.argv[1], sys.argv[1:])
 """
 
 
-def silent_name_server():
-    """Words before a command: a network of its own, in which the system's name servers hear and say nothing."""
-    if not shutil.which("unshare") or not shutil.which("ip"):
-        pytest.skip("there is no unshare and ip here, for a network with a silent name server")
-    before = ["unshare", "-rn", str(PYTHON), "-c", SILENCE]
-    look_up = "import socket; socket.getaddrinfo('no-such-host.example', 1)"
-    try:
-        subprocess.run(
-            [*before, str(PYTHON), "-c", look_up], timeout=7, capture_output=True, env={**os.environ, **SLOW}
-        )
-    except subprocess.TimeoutExpired:
-        return before
-    pytest.skip("a name server cannot be silenced here")
-
-
 def test_a_silent_name_server_is_not_waited_for_long(start, client_command):
-    before = silent_name_server()
+    """In a network of its own, in which the system's name servers hear and say nothing."""
+    before = ["unshare", "-rn", str(PYTHON), "-c", SILENCE]
+    if not shutil.which("unshare") or not shutil.which("ip") or subprocess.run([*before, "true"]).returncode:
+        pytest.skip("there is no unshare and ip here, for a network with a silent name server")
     client = start(*before, *client_command("csharp", KEY, "tcp://no-such-host.example:5551"), **SLOW)
     assert client.wait() == 1, client.output
+    if "unknown host" in client.output:
+        pytest.skip("a name server cannot be silenced here")
     assert "gave up: no address for host 'no-such-host.example' within 5 s" in client.output
 
 
@@ -131,7 +120,7 @@ def test_any_reply_is_printed_in_one_line_and_without_harm(kind, run, context):
     assert client.lines == [f"asking {endpoint}", *lines, f"done: {len(lines)} replies"]
 
 
-@pytest.mark.parametrize("kind", CLIENTS)
+@pytest.mark.parametrize("kind", ["python", "csharp"])
 def test_a_reply_that_is_too_large_is_not_read(kind, run, context):
     replies = iter([[b"x" * 65_536], [b"x" * 65_537]])
     with answering(context, lambda frames: next(replies)) as endpoint:
@@ -164,15 +153,11 @@ def test_a_mistake_in_ones_own_answer_is_told_to_both_sides(printed, monkeypatch
 
 @pytest.mark.parametrize(
     ("text", "why"),
-    [
-        (None, "None: return a text"),
-        ("\ud800", "what cannot be sent: 'utf-8' codec can't encode"),
-        ("ü" * 40_000, "what cannot be sent: a text of 80000 bytes, more than 65536"),
-    ],
-    ids=["none", "half a character", "a long one"],
+    [(None, "None: return a text"), ("\ud800", "what cannot be sent: 'utf-8' codec can't encode")],
+    ids=["none", "half a character"],
 )
 def test_an_answer_that_cannot_be_sent_is_one_line(text, why, printed, monkeypatch):
-    """It may be the fault of whoever asked."""
+    """It may be the fault of whoever asked. Too long a one is in test_other_processes.py."""
     monkeypatch.setattr(trouble, "again", {})
     line = f"answer returned {why}"
     assert replies.reply_to(lambda request: text, b"ask").startswith(f"error: {line}".encode())

@@ -177,17 +177,6 @@ def refuses(router, endpoint, over):
     return ["1: sent a, received error: busy, try again later"], ["1: no reply within 3 s; try 2 of 2"]
 
 
-def too_large(router, endpoint, over):
-    """A reply that is too large ends its connection only."""
-    first = router.recv_multipart()
-    router.send_multipart([*first[:2], b"x" * 65_537])
-    again = router.recv_multipart()
-    assert again[0] != first[0]
-    for request in itertools.chain([again], asked(router, over)):
-        router.send_multipart([*request[:2], b"a"])
-    return ["1: sent echo a, received a"], []
-
-
 def bind_when_free(router, endpoint):
     end = time.monotonic() + LIMIT
     while True:
@@ -227,7 +216,6 @@ SCENES = {
     slow_line: "--count 1 --text a --timeout 0.5 --tries 8",
     younger: "--count 3 --window 2 --text silent|b|c --timeout 6 --tries 2",
     refuses: "--count 1 --text a --timeout 3 --tries 2",
-    too_large: "--count 1 --text echo_a --timeout 1 --tries 20",
     wrong_first: "--count 2 --window 1 --text echo_a --timeout 1 --tries 12",
 }
 

@@ -124,24 +124,6 @@ def test_a_server_that_crashes_goes_on_from_the_checkpoint_when_started_in_the_s
     assert int(again.wait_for(r": count from (\d+), in process")[1]) >= 40, "not from the beginning"
 
 
-class Terminal(io.StringIO):
-    def isatty(self):
-        return True
-
-
-def test_a_terminal_has_a_bar_and_a_pipe_a_line_for_each_tenth(monkeypatch, capsys):
-    piped = Progress()
-    for share in (None, 0, 0.05, 0.1, 0.19, 1, None, 1):
-        piped.show(f"at {share}", share)
-    assert capsys.readouterr().out.split("\n") == ["at None", "at 0", "at 0.1", "at 1", "at None", "at 1", ""]
-    monkeypatch.setattr(sys, "stdout", terminal := Terminal())
-    bar = Progress()
-    bar.show("half", 0.5)
-    bar.show("one", 1)
-    bar.show("over")
-    assert terminal.getvalue() == (f"\r[{'#' * 15}{' ' * 15}] half\x1b[K\r[{'#' * 30}] one\x1b[K\rover\x1b[K\n")
-
-
 def test_unity_shows_the_picture_and_what_a_frame_costs(serve, start, netmq):
     """JobView, and the main thread's share while a picture is drawn."""
     checks = dotnet.build(netmq, ROOT / "tests" / "lessons" / "checks")

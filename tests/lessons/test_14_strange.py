@@ -248,33 +248,6 @@ def test_a_job_that_cannot_be_read_or_done_any_more_is_not_the_others_business(j
     assert "Traceback" not in server.output
 
 
-def test_of_servers_that_begin_together_one_gets_the_journal(tmp_path):
-    """Also one that was left by a server that was killed."""
-    for name, before in (("new", []), ("left", ["a"])):
-        tried = threading.Barrier(3)
-        with ThreadPoolExecutor(3) as pool:
-            opened = [pool.submit(opens, tmp_path / name, tried, tmp_path / "left") for _ in range(3)]
-        assert sorted((one.result() for one in opened), key=str) == [None, None, before]
-
-
-def opens(path, tried, left):
-    """The jobs in this journal; nothing for whoever does not get it."""
-    try:
-        journal = Journal(path)
-    except Error:
-        tried.wait(LIMIT)
-        return None
-    with closing(journal.db):
-        tried.wait(LIMIT)
-        jobs = [goal.values["job"] for goal, _ in journal.open()]
-        if path != left:
-            goal = Message("goal", values={"job": "a", "kind": "count", "count": 1, "text": ""})
-            assert journal.add(goal, Message("accepted", values={"job": "a", "seq": 0, "position": 1}))
-            for end in ("", "-wal"):
-                shutil.copy(f"{path}{end}", f"{left}{end}")
-        return jobs
-
-
 # Clients, by a server that is not the kit's
 
 

@@ -7,7 +7,6 @@ import contextlib
 import os
 import re
 import shutil
-import socket
 import sys
 import tempfile
 import time
@@ -356,23 +355,6 @@ def test_the_server_on_the_page_knows_its_clients(folder, tmp_path, start, conne
     assert ask(live) == "error: your key is not on the list"
 
 
-def test_a_key_enrolled_in_another_folder_of_the_same_name_can_be_noticed(tmp_path, caplog):
-    """The server has its folder in one place, and keys.py its own in another."""
-    for place in "ab":
-        (tmp_path / place).mkdir()
-        keys.example(tmp_path / place / "keys")
-    enrol = [PYTHON, FOLDER / "keys.py", "enrol", f"bob={zmq.curve_keypair()[0].decode()}"]
-    said = finished(enrol, cwd=tmp_path / "a").stdout
-    assert said == f"enrolled: bob, in {tmp_path / 'a' / 'keys' / 'allowed' / 'bob.key'}\n"
-    before = os.getcwd()
-    try:
-        os.chdir(tmp_path / "b")
-        AllowList(Path("keys")).refuse("x", "127.0.0.1")
-    finally:
-        os.chdir(before)
-    assert caplog.messages == [f"refused: key x from 127.0.0.1 is not in {tmp_path / 'b' / 'keys' / 'allowed'}"]
-
-
 BAD = ("tcp://127.0.0.1:0", "tcp://127.0.0.1:99999")
 
 
@@ -559,45 +541,25 @@ def test_a_revoked_client_that_goes_on_makes_no_flood_of_lines(gate, folder, con
 
 
 class Recorder(SlowLine):
-    """A line that is not slow, and keeps what is sent to the server and what comes back."""
+    """A line that is not slow, and keeps what both sides send."""
 
     def __init__(self, endpoint):
         super().__init__(endpoint, 0)
-        self.there, self.back = b"", b""
+        self.seen = b""
 
     def copy(self, source, target):
-        there = source.getsockname() == self.socket.getsockname()
         with contextlib.suppress(OSError):
             while data := source.recv(65536):
-                if there:
-                    self.there += data
-                else:
-                    self.back += data
+                self.seen += data
                 target.sendall(data)
 
 
 @each_side
-def test_nobody_on_the_wire_reads_a_word_and_a_recording_opens_nothing(side, folder, serve, runs, connect, context):
-    server, endpoint = serve(KEY, "--keys", str(folder))
-    with Recorder(endpoint) as wire:
+def test_nobody_on_the_wire_reads_a_word(side, folder, serve, runs):
+    with Recorder(serve(KEY, "--keys", str(folder))[1]) as wire:
         (run,) = runs(side, KEY, [["--endpoint", wire.endpoint, "--keys", str(folder), "--count", "2", *PATIENT]])
         assert run.code == 0, run.lines
-        assert len(wire.there) > 400
-        assert b"Hello" not in wire.there + wire.back and b"alice" not in wire.there + wire.back
-    with Recorder(serve("01_request_reply")[1]) as open_wire, context.socket(zmq.REQ) as asker:
-        asker.connect(open_wire.endpoint)
-        assert ask(asker) == ask(asker) == "World"
-        assert open_wire.there.count(b"Hello") == open_wire.back.count(b"World") == 2
-    # The recording again: the server's half of the handshake is new each time, so it fits nothing.
-    heard = len(server.lines)
-    with socket.create_connection(("127.0.0.1", int(endpoint.rpartition(":")[2])), timeout=20) as replayed:
-        replayed.sendall(wire.there)
-        with contextlib.suppress(ConnectionResetError):
-            while replayed.recv(65536):
-                pass
-    assert ask(connect(endpoint)) == "Hello alice"
-    server.wait_for("alice from", start=heard)
-    assert server.lines[heard:] == ["alice from 127.0.0.1: 'Hello'"]
+        assert len(wire.seen) > 800 and b"Hello" not in wire.seen and b"alice" not in wire.seen
 
 
 # Many strangers

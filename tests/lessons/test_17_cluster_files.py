@@ -4,10 +4,7 @@ reads the manifest as Kubernetes' own types.
 
 from __future__ import annotations
 
-import json
 import os
-import re
-import shutil
 import subprocess
 import time
 
@@ -71,14 +68,6 @@ def test_the_job_script_runs_a_hub_its_simulators_and_a_trainer(start, tmp_path)
     assert left == {}
 
 
-@posix
-def test_slurm_finds_all_its_options():
-    """It reads them up to the first command, each in a comment that begins with #SBATCH."""
-    head, rest = re.split(r"^(?=[^#\n])", SCRIPT.read_text(encoding="utf-8"), maxsplit=1, flags=re.MULTILINE)
-    found = re.findall(r"^#SBATCH --([a-z-]+)=\S+$", head, re.MULTILINE)
-    assert found == ["job-name", "ntasks", "cpus-per-task", "time", "output"] and "#SBATCH" not in rest
-
-
 def documents():
     yaml = pytest.importorskip("yaml", reason="reads the manifest: pip install pyyaml")
     return list(yaml.safe_load_all(MANIFEST.read_text(encoding="utf-8")))
@@ -109,25 +98,3 @@ def test_the_parts_of_the_manifest_fit_each_other():
     args = containers["trainer"]["args"]
     (simulators,) = [each["spec"]["replicas"] for each in others if each["metadata"]["name"] == "simulator"]
     assert int(args[args.index("--areas") + 1]) == simulators
-
-
-def holds(kept, written):
-    """Whether all that is written in the manifest is in what kubectl made of it."""
-    if isinstance(written, dict):
-        return all(key in kept and holds(kept[key], value) for key, value in written.items())
-    if isinstance(written, list):
-        return all(map(holds, kept, written))
-    return kept == written
-
-
-@pytest.mark.skipif(not shutil.which("kubectl"), reason="needs kubectl")
-def test_kubectl_takes_all_of_the_manifest():
-    """It reads it into Kubernetes' own types, and leaves out what is unknown there."""
-    for document in documents():
-        # It prints a document that it has changed. Of a Service it is the selector, whatever it was.
-        change = ["selector", "app=hub"] if document["kind"] == "Service" else ["image", "*=another"]
-        words = ["kubectl", "set", change[0], "--local", "-f", "-", change[1], "-o", "json"]
-        done = finished(words, input=json.dumps(document))
-        assert done.returncode == 0, done.stderr
-        kept = json.loads(done.stdout.replace('"another"', '"netmq-example:1"'))
-        assert holds(kept, document), (document["metadata"]["name"], kept)

@@ -227,26 +227,6 @@ def test_deaths_by_chance_are_not_taken_for_what_ends_each_simulator():
         assert begun.lost == (1 if number < 40 else number - 39)
 
 
-def test_two_simulators_of_a_fleet_are_killed_in_learn_and_the_weights_are_the_same(serve, simulators):
-    sb3 = pytest.importorskip("stable_baselines3", reason="trains with it: pip install stable-baselines3")
-    from netmq_example.sb3 import UnityVecEnv
-
-    _, endpoint = serve(KEY, *STAY)
-    weights = []
-    # The hub takes those that have been free for longest.
-    mortal = [*simulators(endpoint, "python", words=["--crash-after", "90"])]
-    mortal += simulators(endpoint, "python", words=["--crash-after", "60"])
-    simulators(endpoint, "python", "python")
-    for left in (mortal, []):
-        with FleetSocket(endpoint, "CartPole", 2) as fleet:
-            envs = UnityVecEnv("NetMQExample/CartPole-v0", 2, fleet=fleet)
-            model = sb3.PPO("MlpPolicy", envs, seed=5, n_steps=128, batch_size=64, device="cpu").learn(512)
-            weights.append({name: value.numpy() for name, value in model.policy.state_dict().items()})
-            envs.close()
-        assert [one.wait() for one in left] == [1] * len(left)
-    np.testing.assert_equal(*weights)
-
-
 # Keys, and how a hub is found
 
 

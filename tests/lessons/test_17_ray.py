@@ -18,7 +18,6 @@ pytest.importorskip("ray", reason="needs Ray: pip install ray")
 pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
 
 RAY = ROOT / "python" / "17_many_machines" / "ray_train.py"
-CLIENT = ROOT / "python" / "09_environment" / "client.py"
 from tests.lessons.poles import timeless, trained  # noqa: E402
 
 pytestmark = [pytest.mark.xdist_group("ray"), pytest.mark.skipif(os.name == "nt", reason="Ray is in beta on Windows")]
@@ -58,15 +57,6 @@ def test_ctrl_c_leaves_no_process_behind(train):
     while (left := mark.processes()) and time.monotonic() < end:
         time.sleep(0.1)
     assert left == {}
-
-
-@pytest.mark.long
-def test_a_lost_simulator_is_launched_again_and_changes_no_number(train, caplog):
-    lines, _ = trained(caplog, 0, 50)
-    # Each simulator leaves after 40 episodes.
-    trainer = train("--launch", sys.executable, str(CLIENT), "--count", "40")
-    assert trainer.wait(180) == 0, trainer.output
-    assert timeless(trainer.lines) == lines
 
 
 @pytest.mark.long

@@ -194,39 +194,6 @@ def test_a_scene_of_several_kinds_is_one_episode_of_a_hub(deaths, fleet, inside,
     assert fleet.hub.count["episodes"] == 2 and bool(fleet.hub.count["begun anew"]) == bool(deaths)
 
 
-class Pond(Scene):
-    """Walkers who come and go; all are there when all begin at once."""
-
-    def __init__(self):
-        super().__init__("Walk", [Walker() for _ in range(3)], 0.1)
-        self.away = []
-
-    def on_reset(self, rng, options):
-        self.agents += self.away
-        self.away, self.rng = [], rng
-
-    def on_stepped(self):
-        if self.rng() < 0.2 and len(self.agents) > 1:
-            self.away.append(min(self.agents, key=lambda walker: walker.name))
-            self.remove(self.away[-1])
-        elif self.rng() < 0.3 and self.away:
-            self.add(self.away.pop(0))
-            self.send_info("back")
-
-
-@pytest.mark.parametrize("deaths", [(), (15, 60, 130, 260)])
-@pytest.mark.parametrize("mode", AutoresetMode)
-def test_who_comes_and_goes_in_a_scene_does_so_over_a_hub(mode, deaths, fleet, inside, make):
-    words = {**WORLDS["walkers"][2], "autoreset_mode": mode, "max_episode_steps": 5}
-    where = (
-        {"fleet": fleet(lambda: SceneSimulator(Pond()), 1, deaths)},
-        {"socket": inside(SceneSimulator(Pond())).socket},
-    )
-    both = [make(netmq_example.envs.UnityVectorEnv, 3, **words, **each) for each in where]
-    for seed in range(2):
-        play(both, lambda seen, step: both[0].action_space.sample(), 30, {"seed": seed})
-
-
 class Windy(Agent):
     """Its observation is a parameter; it tells the channels of each step, and the scene of each begin."""
 

@@ -5,7 +5,6 @@ import json
 import pytest
 import zmq
 
-from netmq_example.fleet.board import MOST_LINES, Board
 from netmq_example.fleet.members import LONGEST_NAME
 from netmq_example.messages import Array, Message
 from netmq_example.wire.records import ANSWERS, NOTHING, RESET, STEP, Record, Section
@@ -187,16 +186,6 @@ def test_an_episode_that_ends_each_simulator_is_given_up(hall):
     assert hall.last(TRAINER).values == {"code": "no-simulator", "text": text}
 
 
-def test_a_simulator_that_goes_another_way_is_told_of(hall):
-    hall.plays()
-    hall.leave(b"1")
-    hall.say(TRAINER, asks(STEP), 2)
-    hall.simulator(b"2").answer(b"2", state(b"abcd"))
-    assert hall.lines[-1] == "simulator 2 goes another way than the one before it: use one build everywhere"
-    hall.answer(b"2", STATE, "step")
-    assert kind_of(hall.last(TRAINER)) == "state"
-
-
 def test_the_hub_was_away_or_stopped(hall):
     """Its trainers are told first what is missing, and its simulators are not sent home: all were asleep."""
     hall.say(b"early", Message("join", 0, {"name": "Poles", "areas": 2}))
@@ -217,21 +206,3 @@ def test_a_message_that_a_full_pipe_does_not_take_is_sent_again(hall, monkeypatc
         hall.say(TRAINER, asks(RESET), 1)
     hall.wait()
     assert kind_of(hall.last(b"1")) == "reset"
-
-
-def test_the_board_says_what_has_changed_and_makes_no_flood_of_lines(hall, caplog):
-    caplog.set_level("INFO", "netmq_example")
-    board, hub = Board(), hall.hub
-    for number in range(MOST_LINES + 7):
-        board.report(f"line {number}")
-        board.report(f"line {number}")
-    assert caplog.messages == [f"line {number}" for number in range(MOST_LINES)]
-    said = "1 simulators, 1 free, 1 trainers, 0 at work, 0 episodes, {} begun anew, 0 asked elsewhere"
-    for changed, lines in (0, ["7 lines more", said.format(0)]), (1, [said.format(1)]), (0, []):
-        hub.count["begun anew"] += changed
-        caplog.clear()
-        board.show(hub)
-        assert not caplog.messages
-        board.shown -= 1.1
-        board.show(hub)
-        assert caplog.messages == lines

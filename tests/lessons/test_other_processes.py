@@ -176,28 +176,6 @@ def test_a_command_to_paste_is_quoted(monkeypatch):
     assert extras.pip_install("mediapipe") == '"/home/O\'Brien/R&D kit/python" -m pip install mediapipe'
 
 
-# It is told to end by the write of its line, between two steps of Python's.
-ENDED_IN_A_WRITE = """
-import os, signal, sys, time
-from netmq_example.program import run
-def end_it(frame, event, called):
-    if event == "c_return" and called.__name__ == "write" and frame.f_code.co_name == "write":
-        sys.setprofile(None)
-        os.kill(os.getpid(), signal.SIGTERM)
-def main():
-    sys.setprofile(end_it)
-    print("once", flush=True)
-    time.sleep(600)
-run(main)
-"""
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGTERM that a program hears")
-def test_a_line_is_written_once_when_its_write_is_interrupted():
-    program = finished([sys.executable, "-c", ENDED_IN_A_WRITE], cwd=ROOT / "python")
-    assert (program.returncode, program.stdout, program.stderr) == (0, "once\n", "")
-
-
 # Its console is IDLE's or a notebook's, it has words of its own, and a loop.
 HOST = """
 import asyncio, io, runpy, sys, threading, zmq
@@ -242,13 +220,6 @@ def test_a_server_in_a_thread_of_another_program():
     assert taken.startswith(f"cannot listen on {endpoint}: Address already in use"), done
     assert loop.startswith("a loop runs here already, as in a notebook: "), done
     assert done.returncode == 1
-
-
-def test_what_python_c_runs_has_its_own_words():
-    rule = "program.server_options('', 'tcp://127.0.0.1:5551')"
-    code = f"from netmq_example import program; print({rule}.parse_args().endpoint)"
-    done = finished([PYTHON, "-c", code, "--endpoint", "tcp://127.0.0.1:7"], cwd=ROOT / "python")
-    assert done.stdout == "tcp://127.0.0.1:7\n", done
 
 
 # A cell has no file. IPython shows each error that an end was raised from, and before 8.27 some 150 lines for two.
@@ -297,51 +268,12 @@ for _ in range(2):
 """
 
 
-@pytest.mark.parametrize("key", ["14_long_jobs", "21_talking_character"])
-def test_a_server_that_is_stopped_in_a_notebook_can_be_run_again(key, tmp_path):
+def test_a_server_that_is_stopped_in_a_notebook_can_be_run_again(tmp_path):
     """Its journal is in no use any more, although the process lives on."""
-    server = ROOT / "python" / key / "server.py"
+    server = ROOT / "python" / "14_long_jobs" / "server.py"
     words = ["--endpoint", "tcp://127.0.0.1:0", "--journal", "journal.sqlite3"]
     done = finished([PYTHON, "-c", RUN_TWICE, server, *words], cwd=tmp_path)
     assert done.stdout.count("listening on") == 2 and not done.stderr, done
-
-
-@pytest.mark.parametrize(
-    ("package", "code"),
-    [
-        ("gymnasium", "from netmq_example.envs import UnityGymEnv"),
-        ("pettingzoo", "from netmq_example.envs import UnityParallelEnv"),
-    ],
-)
-def test_a_notebook_without_a_package_is_told_how_its_own_python_gets_it(package, code):
-    """By an ImportError: an end of the program would be one of the kernel."""
-    pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
-    lacking = f"import sys; sys.path[:0] = [{str(ROOT / 'python')!r}]; sys.modules[{package!r}] = None; {code}"
-    done = finished([PYTHON, "-c", lacking])
-    last = done.stderr.splitlines()[-1]
-    assert last.startswith("ModuleNotFoundError: ") and last.endswith(
-        f": {extras.shell(str(PYTHON), '-m', 'pip', 'install', package)}"
-    ), done
-
-
-CELL = """
-import sys
-sys.path[:0] = [{python!r}]
-from netmq_example.work import Kind, Step
-from netmq_example.jobs.workers import check_kinds
-
-def mine(total, finished, text):
-    yield Step(1, 1)
-
-check_kinds({{"mine": Kind(mine, 10)}})
-"""
-
-
-def test_a_kind_of_a_cell_is_refused_in_words():
-    """No worker would find it: a notebook has no file to make it from."""
-    done = finished([PYTHON, "-c", CELL.format(python=str(ROOT / "python"))])
-    cure = "make it a function of a module, or functools.partial of one"
-    assert done.stderr.splitlines()[-1:] == [f"TypeError: kind 'mine' cannot be handed to a worker: {cure}"], done
 
 
 # A limit is said by the side that meets it

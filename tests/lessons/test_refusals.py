@@ -8,11 +8,8 @@ import sys
 from contextlib import closing
 
 import pytest
-import zmq
-import zmq.asyncio
 
 from netmq_example.background_client import BackgroundClient
-from netmq_example.body import camera, listener, people
 from netmq_example.camera.client import Action, DriverClient
 from netmq_example.errors import Error
 from netmq_example.jobs.client import JobClient
@@ -29,7 +26,6 @@ from netmq_example.security import keys
 from netmq_example.security.allow_list import AllowList
 from netmq_example.security.requester import ClientKeys, SecureRequester
 from netmq_example.server import Server
-from netmq_example.talk.ollama import ollama_talk
 from netmq_example.topic_listener import TopicListener
 from netmq_example.work import Kind, Step
 from netmq_example.worker_threads import WorkerThreads
@@ -37,7 +33,6 @@ from tests.programs import ROOT
 
 sys.path += [str(ROOT / "python" / key) for key in ("14_long_jobs", "21_talking_character")]
 import progress
-import speech
 
 NAN, WHERE = float("nan"), "tcp://127.0.0.1:5552"
 # All of them refuse an object, and these by the name of the argument. The rules of check.py and arguments.py are tried
@@ -161,85 +156,6 @@ def lesson_15(context, folder):
     assert sorted(folder.rglob("*")) == before
 
 
-def lesson_16(context, folder):
-    pytest.importorskip("socketio", reason="lesson 16 needs python-socketio: kit.py run 16 installs it")
-    from netmq_example.tap.arrows import Arrows
-    from netmq_example.tap.page import Page
-    from netmq_example.tap.passing import Faults, Link
-    from netmq_example.web.browser_socket import Listener, Requester
-    from netmq_example.web.door import Door
-    from netmq_example.web.requester import WebSocketRequester
-    from netmq_example.web.socketio_requester import SocketIORequester
-
-    async def made(context, endpoint, timeout):
-        Listener(context, endpoint, timeout)
-
-    async def asked(text):
-        await WebSocketRequester("http://127.0.0.1:1", "hello").request(text)
-
-    for kind in Requester, made:
-        yield kind, "context endpoint timeout", zmq.asyncio.Context.instance(), WHERE, 1
-    yield Door, "origins token", [], ""
-    yield lambda origin: Door([""], ""), "origin"
-    for kind in WebSocketRequester, SocketIORequester:
-        yield kind, "endpoint name token timeout", "http://127.0.0.1:5566", "hello"
-    yield asked, "text"
-    yield Faults, "planned asked way slow"
-    yield Faults().ask, "fault way", "drop", "up"
-    yield lambda number: Link(0, Arrows(), Faults()), "number"
-    yield Link, "number arrows faults", 1, Arrows(), Faults()
-    yield Page, "arrows faults title", Arrows(), Faults(), ""
-    yield Arrows().add, "way piece", 1, "up", None
-    yield Arrows().after, "number most", 0, 0
-    yield Arrows().find, "number"
-
-
-def lesson_17(context, folder):
-    pytest.importorskip("gymnasium", reason="lesson 17 needs gymnasium: kit.py run 17 installs it")
-    from netmq_example.fleet.hub import Hub
-    from netmq_example.fleet.simulator import FleetSimulator
-    from netmq_example.fleet.trainer import FleetSocket
-    from netmq_example.scene import Scene, SceneSimulator
-    from netmq_example.worlds.cart_pole import CartPole
-
-    with context.socket(zmq.ROUTER) as socket:
-        yield Hub, "socket report build late timeout idle", socket
-        yield FleetSimulator, "simulator build", SceneSimulator(Scene("CartPole", [CartPole()]))
-        yield FleetSocket, "endpoint name areas prepare", WHERE, "CartPole", 1
-
-
-def lesson_20(context, folder):
-    landmarks = [(0.5, 0.5, 0.5, 1.0)] * 33
-    pose, nobody = (listener.BodyPose(1, 0.0, there) for there in (landmarks, []))
-    with listener.BodyListener(WHERE, "pose/0/") as hearing:
-        yield listener.BodyListener, "endpoint topic socket timeout", WHERE, "pose/0/"
-        for wrong in "pose/0", "pose/-1/":
-            yield lambda topic, wrong=wrong: listener.BodyListener(WHERE, wrong), "topic"
-        yield hearing.receive, "timeout"
-    yield pose.angle, "a c", 0, 1, 2
-    yield lambda a: nobody.angle(0, 1, 2), "a"
-    yield listener.parse, "message"
-    yield people.read, "path"
-    yield people.write, "path", None, []
-    for time in None, NAN:
-        yield lambda seconds, time=time: people.write("never.csv", [(time, [])]), "seconds"
-    for count in (1, 21):
-        yield lambda landmarks, count=count: people.write("never.csv", [(0.0, [[(0.0,) * 4] * count])]), "landmarks"
-    yield people.play, "pictures"
-    yield camera.watch, "device model persons hands", 0, "m.task", 1
-
-
-def lesson_21(context, folder):
-    with JobClient(WHERE, context=context) as client:
-        yield speech.ask, "client prompt most", client, "Who are you?", 200
-    yield speech.Speech().hear, "news"
-    yield speech.Speech().say, "line"
-    yield speech.Speech().outcome, "result"
-    yield ollama_talk, "model", 1, b"", "?", "http://x"
-    for url in None, "http://x:0":
-        yield lambda address, url=url: ollama_talk(1, b"", "?", url=url, model="x"), "address"
-
-
 def done(call, words):
     made = call(**words)
     if inspect.iscoroutine(made):
@@ -248,7 +164,7 @@ def done(call, words):
         next(made)
 
 
-LESSONS = [lessons_02_to_07, lesson_08, lesson_14, lesson_15, lesson_16, lesson_17, lesson_20, lesson_21]
+LESSONS = [lessons_02_to_07, lesson_08, lesson_14, lesson_15]
 
 
 @pytest.mark.parametrize("lesson", LESSONS)

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
-import io
 import re
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -116,25 +115,6 @@ def test_what_is_written_beside_a_picture_belongs_to_it(drive: Drive) -> None:
     assert skipped == numbers[-1] - numbers[0] + 1 - 30
 
 
-def test_two_cameras_see_as_two_eyes_and_jpeg_is_made_of_the_same_picture(drive: Drive) -> None:
-    """In the left one's picture all stands further to the right, and the more so the nearer it is."""
-    images = pytest.importorskip("PIL.Image", reason="reads a JPEG file: pip install pillow")
-    driver, client = drive(lambda frame: {}, "count=1 cameras=left,right lockstep=true", "count=1 jpeg=true")
-    assert client.wait() == 0, client.output
-    frame, jpeg = driver.frames
-
-    def right_edge(camera: int, row: int) -> float:
-        return float(np.flatnonzero(is_road(picture(frame, camera)[row]))[-1])
-
-    # 0.15 m, seen from 5 m: some 6 of 208 pixels, which are as wide as they are far away.
-    near, far = (right_edge(0, row) - right_edge(1, row) for row in (130, 90))
-    assert near > far >= 1
-    assert (jpeg.values["encoding"], jpeg.values["bottom_up"]) == ("jpeg", False)
-    seen = np.asarray(images.open(io.BytesIO(bytes(jpeg.arrays[0].data))).convert("RGB")).astype(int)
-    assert seen.shape == (240, 320, 3)
-    assert abs(seen[4, 160] - (150, 190, 230)).max() < 25 and is_road(seen[236, 160])
-
-
 def test_trouble_with_the_graphics_card_is_said_once(drive: Drive) -> None:
     _, client = drive(lambda frame: {}, "count=20 fail=5 lockstep=true", "count=20 fail=5", "nographics")
     assert client.wait() == 1, client.output
@@ -186,16 +166,6 @@ def test_a_sender_that_was_switched_off_begins_again(drive: Drive) -> None:
     assert len(set(numbers)) == len(numbers) == numbers.index(max(numbers)) + 1, "each picture is newer than the last"
     client.wait_for("^the eye goes on as it was: True$")
     assert all((picture(frame, camera) == (200, 0, 0)).all() for frame in driver.frames for camera in range(2))
-
-
-def test_size_and_rate_are_the_cars(drive: Drive) -> None:
-    """A picture for each five of the world's steps, or later; those that another one has overtaken are skipped."""
-    driver, client = drive(lambda frame: {}, "count=8 width=64 height=48 steps=5")
-    assert client.wait() == 0, client.output
-    assert {tuple(frame.arrays[0].shape) for frame in driver.frames} == {(48, 64, 4)}
-    apart = [late.id - early.id for early, late in zip(driver.frames, driver.frames[1:], strict=False)]
-    assert min(apart) >= 5
-    client.wait_for(f"^done: 8 actions, {sum(each // 5 - 1 for each in apart)} pictures skipped$")
 
 
 @pytest.mark.xdist_group("times")

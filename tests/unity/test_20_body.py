@@ -198,21 +198,6 @@ def test_a_restart_of_the_server_makes_no_jump(
     assert 1 < fastest <= FASTEST * 1.01
 
 
-def test_a_server_that_is_away_is_waited_for(
-    play: Callable[..., Program], stage: tuple[zmq.Socket[bytes], str]
-) -> None:
-    """And when it is back, the body moves on."""
-    stream, endpoint = stage
-    program = play("body", endpoint, "count=2", "every=1", "timeout=0.3")
-    assert stream.poll(20_000) and stream.recv() == b"\x01pose/0/"
-    publish(stream, [walk()[0]], 1, program)
-    why = "is the server running, with topic 'pose/[^']*', or a message over 64 KB[?]"
-    program.wait_for(f"^trouble: nothing from .* within 0.3 s; {why}$")
-    publish(stream, [walk()[1]], 1, program)
-    assert program.wait() == 0, program.output
-    assert "done: 2 poses, 0 skipped" in program.lines
-
-
 @pytest.mark.xdist_group("times")
 def test_what_a_frame_costs(
     play: Callable[..., Program], serve: Callable[..., Any], capsys: pytest.CaptureFixture[str]

@@ -14,7 +14,7 @@ from kitlib.docs import guide
 from kitlib.lessons import PACKAGE
 from kitlib.unity import scripts
 from kitlib.unity.inventory import LIBRARIES, NETMQ
-from kitlib.unity.meta import assets, behaviours, guid, is_component, meta_of, own_guid, scene
+from kitlib.unity.meta import assets, behaviours, guid, meta_of, own_guid
 from tests.programs import ROOT
 from tests.unity.conftest import PREFAB
 
@@ -24,13 +24,6 @@ SCENES = sorted(PACKAGE.rglob("*.unity"))
 MANIFESTS = (UNITY / "Packages" / "manifest.json", PACKAGE / "package.json")
 # The assemblies of Unity's test framework, and of a package that may be there.
 UNITYS_OWN = {"UnityEngine.TestRunner", "UnityEditor.TestRunner", "Unity.InputSystem"}
-# The parts of Unity that are packages, in 2022.3 and in each 6000.x. InputLegacy, TextRendering and Scripting are none:
-# their types are always there, and Unity refuses a manifest that names such a package.
-MODULES = (
-    "ai|androidjni|animation|assetbundle|audio|cloth|director|imageconversion|imgui|jsonserialize|particlesystem|"
-    "physics|physics2d|screencapture|terrain|terrainphysics|tilemap|ui|uielements|vehicles|video|wind|xr|"
-    "unitywebrequest(assetbundle|audio|texture)?"
-)
 
 
 def relative(path):
@@ -71,13 +64,6 @@ def test_each_asset_has_its_meta():
     assert faults == []
     # Made from the path, so that it is the same wherever the file is written.
     assert guid("01_request_reply/HelloClient.cs") == own_guid(PACKAGE / "01_request_reply" / "HelloClient.cs")
-
-
-def test_a_new_lessons_scene_has_its_scripts_and_a_cube_if_it_moves():
-    """Those of these lessons are as they were written."""
-    for key in ("07_catch_up", "08_see_and_steer", "12_video"):
-        lesson = PACKAGE / key
-        assert scene(behaviours(lesson)) == (lesson / f"{key}.unity").read_text(encoding="utf-8")
 
 
 def test_each_lesson_has_a_scene_with_its_scripts_in_which_something_is_seen():
@@ -301,19 +287,6 @@ def test_the_manifests_name_the_modules_that_scripts_need():
         assert needed <= manifest["dependencies"].keys(), path.name
 
 
-def test_the_modules_are_those_of_unitys_sources():
-    declared = {}
-    for _, name, _, source in FACTS:
-        module = source.removeprefix("Modules/").partition("/")[0].lower()
-        if source.startswith("Modules/") and re.fullmatch(MODULES, module):
-            declared.setdefault(f"com.unity.modules.{module}", set()).add(name)
-    declared["com.unity.modules.imageconversion"].add("EncodeToJPG")
-    declared["com.unity.modules.physics"].add("CreatePrimitive")
-    assert declared == {module: set(types.split()) for module, types in scripts.NAMES["modules"].items()}
-    code = ["// GUI\nvar colliders = GetComponent<Collider>();", "class GUIs { }"]
-    assert scripts.modules(code) == {"com.unity.modules.physics": "1.0.0"}
-
-
 def test_the_lessons_are_left_out_of_webgl_which_has_its_own_error():
     found = [json.loads(text) for name, text in copied().items() if name.endswith(".asmdef")]
     by_name = {definition["name"]: definition for definition in found}
@@ -357,37 +330,6 @@ def test_the_manifest_gets_netmq_from_a_scoped_registry():
     (shown,) = [json.loads(block.body) for block in guide.blocks(page) if block.language == "json"]
     assert shown["scopedRegistries"] == manifest["scopedRegistries"]
     assert shown["dependencies"].items() <= manifest["dependencies"].items()
-
-
-def test_a_field_says_what_it_is_for_and_how_small_it_may_be():
-    fields = []
-    for path in PACKAGE.glob("[0-9S]*/*.cs"):
-        found = re.findall(r"\[SerializeField([^]]*)\]\s+private (\S+) (\w+)", path.read_text(encoding="utf-8"))
-        fields += [(path.stem, name, kind, attributes) for attributes, kind, name in found]
-    assert len(fields) > 100
-    assert [field for field in fields if "Tooltip(" not in field[3]] == []
-    numbers = [field for field in fields if field[2] in ("int", "float")]
-    assert [field for field in numbers if not re.search(r"(Min|Range)\(", field[3])] == []
-
-
-def test_the_linker_is_not_told_to_keep_all_of_netmq():
-    """Kept whole it would drag in what only its BufferPool names, at every stripping level."""
-    text = (PACKAGE / "link.xml").read_text(encoding="utf-8")
-    assert re.findall(r'assembly fullname="(\w+)" preserve="all" ignoreIfMissing="1"', text) == ["NetMQExample"]
-
-
-def test_each_component_has_its_place_in_the_menu():
-    """Add Component, NetMQ Example, by lesson; without it all lie in one row below Scripts."""
-    components = [path for path in PACKAGE.glob("[0-9S]*/*.cs") if is_component(path.stem)]
-    assert len(components) > 30
-    # A link to nowhere would be worse than Unity's own page on scripts: with the package's address they all get one.
-    public = "documentationUrl" in json.loads((PACKAGE / "package.json").read_text(encoding="utf-8"))
-    for path in components:
-        text = path.read_text(encoding="utf-8")
-        number = f"{path.parent.name[:2]} " if path.parent.name[:2].isdigit() else ""
-        words = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", path.stem)
-        assert f'    [AddComponentMenu("NetMQ Example/{number}{words}")]\n' in text, relative(path)
-        assert ("[HelpURL(" in text) == public, relative(path)
 
 
 # Of a shape that has another one's.

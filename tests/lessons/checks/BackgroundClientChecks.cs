@@ -27,9 +27,9 @@ namespace NetMQExample.Tests
         {
             var checks = new Action<string>[]
             {
-                AllocatesNothing, Ask, Asleep, Await, Cancelled, Cleanup, Forgotten, Hud, ListenerStops, LongestText,
-                LookUp, Many, Nested, NeverPolled, NoSocket, OneAfterAnother, Pairs, Randomly, Refusal, State,
-                StopAnswered, Stuck, Throwing, Why, Within,
+                AllocatesNothing, Ask, Asleep, Await, Cancelled, Cleanup, Forgotten, Hud, ListenerStops, LookUp, Nested,
+                NeverPolled, NoSocket, OneAfterAnother, Randomly, Refusal, State, StopAnswered, Stuck, Throwing, Why,
+                Within,
             }.ToDictionary(check => check.Method.Name);
             try
             {
@@ -246,32 +246,6 @@ namespace NetMQExample.Tests
             StopInTime(next);
         }
 
-        // Five clients at once, each with its own replies; one leaves early and takes nobody with it.
-        private static void Many(string endpoint)
-        {
-            const int count = 40;
-            var clients = Enumerable.Range(0, 5).Select(_ => new BackgroundClient(endpoint, TimeSpan.FromSeconds(20)))
-                .ToArray();
-            var got = clients.Select(_ => new List<string>()).ToArray();
-            for (var i = 0; i < count; i++)
-                for (var c = 0; c < clients.Length; c++)
-                {
-                    var mine = got[c];
-                    Until(() => clients[c].Request($"echo {c}-{i}", mine.Add, why => mine.Add($"! {why}"))
-                        || clients[c].State == ClientState.Disposed, clients);
-                    if (c == 2 && i == count / 2) StopInTime(clients[c]);
-                }
-            Until(() => clients.Where((_, c) => c != 2).All(client => client.Replies == count) && got[4].Count == count,
-                clients);
-            foreach (var client in clients) client.Dispose();
-            for (var c = 0; c < clients.Length; c++)
-            {
-                if (c == 2) continue;
-                Equal(string.Join(" ", Enumerable.Range(0, count).Select(i => $"{c}-{i}")), string.Join(" ", got[c]));
-            }
-            Equal(count / 2 + 1, got[2].Count);
-        }
-
         private static void Await(string endpoint)
         {
             var thread = Environment.CurrentManagedThreadId;
@@ -485,43 +459,6 @@ namespace NetMQExample.Tests
             }, client);
             Equal(4, client.Replies);
             client.Dispose();
-        }
-
-        // State and LastError, read together, are of one moment: here both speak of the same try.
-        private static void Pairs(string endpoint)
-        {
-            using var client = new BackgroundClient(endpoint, TimeSpan.FromMilliseconds(1), tries: 2);
-            var (done, wrong, reads) = (false, "", 0);
-            var reader = new Thread(() =>
-            {
-                for (; !Volatile.Read(ref done); reads++)
-                {
-                    var (state, error) = client.Status;
-                    var expected = state == ClientState.Retrying
-                        ? "try 2 of 2"
-                        : state == ClientState.Lost ? "may have been done or not" : "";
-                    if (!error.EndsWith(expected, StringComparison.Ordinal)) wrong = $"{state} {error}";
-                }
-            });
-            reader.Start();
-            var ends = 0;
-            for (var i = 0; i < 15; i++)
-            {
-                client.Request("hello", null, _ => ends++);
-                Until(() => ends > i, client);
-            }
-            Volatile.Write(ref done, true);
-            Check(reader.Join(Limit), "the reader does not end");
-            Equal("", wrong);
-            Console.WriteLine($"{reads} times");
-        }
-
-        // As many bytes as a server takes in one frame; of one more RuleChecks.cs asks.
-        private static void LongestText(string endpoint)
-        {
-            using var client = new BackgroundClient(endpoint);
-            var text = new string('x', 65_536 - "echo ".Length);
-            Equal(text, Answer(client, $"echo {text}"));
         }
 
         // There are too many sockets to make another: who fails so is no user of NetMQ, and does not keep it from its

@@ -1,6 +1,5 @@
 // Does in the editor what a line of the standard input says, and prints what is drawn then.
 //
-//     api                     what the stand-ins of UnityEngine and UnityEditor have
 //     references DLL          which assemblies it names
 //     package PATH            where the package lies; folder PATH: what is chosen when a folder is asked for
 //     load                    what Unity does after each reload of the scripts
@@ -10,12 +9,10 @@
 //     play 4 ENDPOINT COUNT   a lesson's scripts, with the first one's inspector; stop
 //     another ENDPOINT        one more of it, and both are selected; prefab: it is one in Assets; destroy it
 //     host ADDRESS            into the asset with the servers' address
-//     flood                   a hundred messages of ten long frames
 //     build TARGET FOLDER     what Unity calls when it builds for a platform; build Android FOLDER 37: for that API
 //                             level
 //     forget 2                so many clients of a script's that are never disposed; remember: they are after all;
 //                             settle: the others are
-//     threads                 which the Profiler shows
 //     counted                 whether a program that is not compiled for the editor shows its messages
 //     quit                    the end of the editor
 //
@@ -33,7 +30,6 @@ using NetMQExample.PlayTest;
 using UnityEditor;
 using UnityEditor.Build.Reporting;
 using UnityEngine;
-using UnityEngine.Profiling;
 using UnityEngine.UIElements;
 using UnityPlayer;
 using Drawing = UnityEditor.Drawing;
@@ -72,7 +68,6 @@ namespace NetMQExample.EditorTest
         {
             switch (what)
             {
-                case "api": Api.Print(typeof(Object).Assembly, typeof(EditorWindow).Assembly); break;
                 case "references":
                     foreach (var one in Assembly.LoadFile(with).GetReferencedAssemblies()) Console.WriteLine(one.Name);
                     break;
@@ -91,7 +86,6 @@ namespace NetMQExample.EditorTest
                 case "prefab": EditorUtility.Assets.Add(inspector.target); break;
                 case "destroy": Object.DestroyImmediate(((Component)inspector.target).gameObject); break;
                 case "host": SetHost(with); break;
-                case "flood": Flood(); break;
                 case "build": Build(with.Split(' ')); break;
                 case "forget":
                     for (var i = int.Parse(with, CultureInfo.InvariantCulture); i > 0; i--)
@@ -99,7 +93,6 @@ namespace NetMQExample.EditorTest
                     break;
                 case "settle": while (NetMQLifetime.Users > Forgotten.Count) Thread.Sleep(5); break;
                 case "remember": while (Forgotten.Count > 0) Forgotten.Pop().Dispose(); break;
-                case "threads": foreach (var thread in Profiler.Threads) Console.WriteLine(thread); break;
                 case "counted": Count(); break;
                 case "quit": EditorApplication.SayQuitting(); break;
                 default: throw new ArgumentException(what);
@@ -193,13 +186,6 @@ namespace NetMQExample.EditorTest
             foreach (var line in Drawing.Lines) Console.WriteLine(line);
             Drawing.Lines.Clear();
             Console.WriteLine($"link: {guards.GenerateAdditionalLinkXmlFile(report, null)}");
-        }
-
-        private static void Flood()
-        {
-            using var connection = new NetMQConnection("tcp://127.0.0.1:9", () => new DealerSocket());
-            var frames = Enumerable.Repeat(new string('x', 500), 10).ToArray();
-            for (var i = 0; i < 100; i++) connection.TrySend(TimeSpan.FromSeconds(1), default, frames);
         }
 
         private static void Count()

@@ -5,11 +5,8 @@ using System.Collections.Generic;
 using System.Globalization;
 using System.Linq;
 using UnityEngine;
-using UnityEngine.Events;
-using UnityEngine.SceneManagement;
 using UnityPlayer;
 using static NetMQExample.PlayTest.FirstScripts;
-using Random = UnityEngine.Random;
 
 namespace NetMQExample.PlayTest
 {
@@ -162,59 +159,6 @@ namespace NetMQExample.PlayTest
         }
     }
 
-    public sealed class Later : MonoBehaviour
-    {
-        private readonly List<string> calls = new List<string>();
-        private float began;
-
-        private void Start()
-        {
-            began = Time.time;
-            InvokeRepeating(nameof(Once), 0.02f, 0.0001f);
-            Invoke(nameof(Soon), 0.05f);
-            Invoke("Never", 0.05f);
-            InvokeRepeating(nameof(Again), 0.02f, 0.03f);
-            Destroy(new GameObject("doomed"), 0.05f);
-            Destroy(new GameObject("doomed much later"), 1000);
-            Destroy(new GameObject("doomed at once"));
-            print($"pending: {IsInvoking()} {IsInvoking(nameof(Soon))} {IsInvoking(nameof(Last))}");
-            CancelInvoke("Never");
-            enabled = false;
-        }
-
-        private void Soon() =>
-            Say("soon:", $"{Time.time >= began + 0.05f},", "though disabled:", $"{!enabled},",
-                GameObject.Find("doomed at once") == null);
-
-        private void Never() => print("never");
-
-        // Due several times within a frame.
-        private void Once()
-        {
-            print("once");
-            CancelInvoke(nameof(Once));
-        }
-
-        private void Again()
-        {
-            calls.Add("again");
-            if (calls.Count < 3) return;
-            CancelInvoke(nameof(Again));
-            Invoke("NoSuchMethod", 0);
-            Invoke(nameof(Last), 0.05f);
-        }
-
-        private void Last()
-        {
-            Say("times:", $"{calls.Count},", "doomed:", GameObject.Find("doomed") != null,
-                $"{GameObject.Find("doomed much later") != null},", "pending:", IsInvoking(nameof(Again)));
-            InvokeRepeating(nameof(Again), 1, 1);
-            CancelInvoke();
-            print($"pending: {IsInvoking()}");
-            Application.Quit();
-        }
-    }
-
     [Serializable]
     public sealed class Loot
     {
@@ -315,85 +259,6 @@ namespace NetMQExample.PlayTest
             print($"around: {transform.position} {transform.forward}");
             transform.up = Vector3.right;
             print($"up: {transform.up} {transform.InverseTransformDirection(Vector3.right)}");
-        }
-    }
-
-    public sealed class Sums : MonoBehaviour
-    {
-        private void Start()
-        {
-            Vector3 a = new Vector3(3, 4), b = Vector3.back;
-            Say(a.normalized, -a, Vector3.Dot(a, a), Vector3.Angle(a, b),
-                Vector3.SignedAngle(Vector3.right, Vector3.up, b), $"{Vector3.Distance(a, b):F3}");
-            Say(Vector3.Slerp(Vector3.right, Vector3.up * 3, 0.5f), Vector3.Slerp(Vector3.zero, a, 0.5f),
-                Vector3.ClampMagnitude(a, 1), Vector3.Project(a, Vector3.left), Vector3.ProjectOnPlane(a, Vector3.up),
-                Vector3.LerpUnclamped(a, b, 2));
-            var velocity = Vector3.zero;
-            var near = Vector3.SmoothDamp(Vector3.zero, a, ref velocity, 0.3f);
-            print($"{near.x > 0 && near.x < 3} {Vector3.Dot(velocity, a) > 0}");
-            Vector2 flat = a;
-            Say(flat.normalized, $"{Vector2.Distance(flat, Vector2.up):F2}",
-                Vector2.MoveTowards(flat, Vector2.zero, 5) == Vector2.zero, -flat,
-                Vector2.Lerp(flat, Vector2.one, 0.5f));
-            Quaternion left = Quaternion.Euler(0, -60, 0), right = Quaternion.Euler(0, 60, 0);
-            Say($"{Quaternion.Angle(left, right):F1}", Quaternion.Slerp(left, right, 0.25f).eulerAngles,
-                Quaternion.Lerp(left, right, 0.5f) == Quaternion.identity,
-                Quaternion.RotateTowards(left, right, 30).eulerAngles,
-                $"{Quaternion.Slerp(Quaternion.Euler(0, 350, 0), Quaternion.Euler(0, 10, 0), 0.5f).eulerAngles.y:F0}",
-                right);
-            Say(Mathf.LerpAngle(350, 20, 0.5f), Mathf.SmoothStep(0, 10, 0.5f), Mathf.Approximately(0.1f + 0.2f, 0.3f),
-                Mathf.Max(1, 5, 3), Mathf.Min(2f, 0.5f, 1f), $"{Mathf.Asin(1) * Mathf.Rad2Deg:F0}", Mathf.Log(8, 2));
-            Say(Color.Lerp(Color.black, Color.white, 0.5f), Color.red * 0.5f, ((Color32)Color.yellow).g,
-                Color.grey == Color.gray);
-            Random.InitState(1);
-            var many = Enumerable.Range(0, 300).Select(_ => Random.insideUnitSphere).ToArray();
-            Say(many.All(one => one.magnitude <= 1), many.Any(one => one.y > 0.5f) && many.Any(one => one.z < -0.5f),
-                $"{Random.onUnitSphere.magnitude:F2}", Random.insideUnitCircle.magnitude <= 1,
-                Quaternion.Dot(Random.rotation, Quaternion.identity) <= 1);
-            Application.Quit();
-        }
-    }
-
-    public sealed class Parts : MonoBehaviour
-    {
-        private readonly UnityEvent shot = new UnityEvent();
-
-        private void Start()
-        {
-            shot.AddListener(() => Debug.LogFormat("{0} of {1:F1}", "a shot", 1.5f));
-            shot.Invoke();
-            Debug.LogWarningFormat("a warning for {0}", name);
-            Debug.Assert(true, "never said");
-            Debug.Assert(1 > 2);
-            Debug.DrawRay(Vector3.zero, Vector3.up, Color.red);
-            PlayerPrefs.SetInt("score", 5);
-            PlayerPrefs.SetString("name", "Ann");
-            Say("prefs:", PlayerPrefs.GetInt("score"), PlayerPrefs.GetInt("other", -1), PlayerPrefs.GetFloat("score"),
-                PlayerPrefs.HasKey("name"), $"'{PlayerPrefs.GetString("none")}'");
-            PlayerPrefs.DeleteAll();
-            Say("keys:", Input.GetKeyUp(KeyCode.Escape), Input.GetButtonDown("Jump"), Input.GetAxisRaw("Mouse X"),
-                Input.GetMouseButton(0), Input.anyKey, (int)KeyCode.Z, (int)KeyCode.F12);
-            var order = new Loot { what = "tea", coins = { 1, 2 } };
-            print(JsonUtility.ToJson(order, true));
-            Say("json:", JsonUtility.FromJson<Loot>("") == null,
-                ((Loot)JsonUtility.FromJson(JsonUtility.ToJson(order), typeof(Loot))).coins.Count,
-                JsonUtility.ToJson(new Pose(Vector3.one, Quaternion.identity)));
-            JsonUtility.FromJsonOverwrite("", order);
-            JsonUtility.FromJsonOverwrite("{\"what\":\"milk\"}", order);
-            try { JsonUtility.ToJson(transform); }
-            catch (ArgumentException e) { print($"{order.what} {order.coins.Count}: {e.Message}"); }
-            Time.fixedDeltaTime = 0.01f;
-            print($"step: {Time.fixedDeltaTime}, of {SceneManager.GetActiveScene().name}");
-        }
-
-        private void OnGUI()
-        {
-            GUILayout.BeginArea(new Rect(10, 10, Screen.width / 2f, 100));
-            GUILayout.Label($"frame {Time.frameCount}", GUILayout.Width(100));
-            if (GUILayout.Button("Go") || GUI.Button(new Rect(0, 0, 10, 10), "Go")) print("nobody clicks");
-            print($"drawn: {Player.Drawn}, {GUILayout.TextField("as it was")}");
-            GUILayout.EndArea();
-            Application.Quit();
         }
     }
 }
