@@ -117,8 +117,7 @@ namespace NetMQExample.Terminal
             var thing = new GameObject(types[0].Name);
             // Components wake up when their object is switched on: the fields are set by then, as in a scene file.
             thing.SetActive(false);
-            foreach (var type in added) thing.AddComponent(type);
-            Scripts.AddTo(thing, types);
+            Scripts.AddTo(thing, added.Concat(types));
             // The fields of one that another has brought along count as well.
             var scripts = thing.GetComponents<MonoBehaviour>();
             foreach (var script in scripts) Inspector.FillIn(script);

@@ -52,8 +52,16 @@ namespace UnityPlayer
             throw new ArgumentException($"which lesson? Give its number first, one of: {known}");
         }
 
-        /// <summary>Gives an object one of each. One may have brought another along, by RequireComponent.</summary>
-        public static MonoBehaviour[] AddTo(GameObject thing, IEnumerable<Type> types) =>
-            types.Select(type => (MonoBehaviour)(thing.GetComponent(type) ?? thing.AddComponent(type))).ToArray();
+        /// <summary>Gives an object one of each. One may have brought another along, by RequireComponent; and who needs
+        /// one of a base class waits for the others, since else that base would come as well.</summary>
+        public static MonoBehaviour[] AddTo(GameObject thing, IEnumerable<Type> types)
+        {
+            var all = types.ToArray();
+            bool Needs(Type type) => type.GetCustomAttributes<RequireComponent>()
+                .Any(need => all.Any(one => one != type && need.m_Type0.IsAssignableFrom(one)));
+            foreach (var type in all.OrderBy(Needs))
+                if (thing.GetComponent(type) == null) thing.AddComponent(type);
+            return all.Select(type => thing.GetComponent(type)).OfType<MonoBehaviour>().ToArray();
+        }
     }
 }

@@ -125,8 +125,10 @@ namespace UnityEngine
         /// <summary>Follows a change of this object's place, or of a switch of its own or above it.</summary>
         internal void Refresh()
         {
-            for (var i = 0; i < Components.Count; i++) (Components[i] as MonoBehaviour)?.Refresh();
-            foreach (var child in transform.Children.ToArray()) child.Owner.Refresh();
+            var scripts = GetComponentsInChildren<MonoBehaviour>(true);
+            // In Unity whoever comes does so in the order of the scripts, wherever they are.
+            foreach (var script in activeInHierarchy ? scripts.OrderBy(one => one.Order).ToArray() : scripts)
+                script.Refresh();
         }
     }
 

@@ -30,6 +30,10 @@ namespace NetMQExample
         private readonly TimeSpan timeout;
         private readonly Action<string> report;
         private Msg received;
+        // The last request, where it was in words; else null, and it is in `step`.
+        private Message request;
+        // Without a request for so long it says hello again.
+        private TimeSpan idle;
         // Why it is in no environment.
         private string why = Nothing;
         private int tries;
@@ -67,7 +71,42 @@ namespace NetMQExample
         /// <param name="stop">Ends it early, within 50 ms of being cancelled.</param>
         /// <exception cref="TimeoutException">There was no environment for too long.</exception>
         public void Run(
-            SimulatorBase simulator, int count, Action<Action> perform, CancellationToken stop = default)
+            SimulatorBase simulator, int count, Action<Action> perform, CancellationToken stop = default) =>
+            Keep(limit => Talk(simulator, count, perform, limit, stop), stop);
+
+        /// <summary>Connects a simulator of this thread, which is made to wait for Python.</summary>
+        /// <exception cref="TimeoutException">There was no environment for too long.</exception>
+        internal void Join(SimulatorBase simulator) =>
+            Keep(limit => Greet(simulator, work => work(), limit, default), default);
+
+        /// <summary>For a simulator of this thread: answers until there is a request for which a frame must pass, and
+        /// that one when it is called again.</summary>
+        /// <returns>False: the environment was closed.</returns>
+        /// <exception cref="TimeoutException">It is gone.</exception>
+        internal bool Next(SimulatorBase simulator)
+        {
+            for (var again = simulator.Waiting; again || Hear(default); again = false)
+            {
+                Answer(simulator);
+                if (simulator.Waiting) return true;
+                Reply(simulator, default);
+            }
+            return false;
+        }
+
+        /// <inheritdoc/>
+        public override string ToString() => $"EnvironmentClient {endpoint}";
+
+        /// <summary>Closes the socket, then leaves NetMQ.</summary>
+        public void Dispose()
+        {
+            // A second Close would throw.
+            if (received.IsInitialised) received.Close();
+            connection.Dispose();
+        }
+
+        // Tries it until it succeeds.
+        private void Keep(Action<TimeSpan> talk, CancellationToken stop)
         {
             Launcher.Watch();
             TimeSpan left;
@@ -76,7 +115,7 @@ namespace NetMQExample
                 var limit = NetMQConnection.Longer(Try, tries++);
                 try
                 {
-                    Talk(simulator, count, perform, limit < left ? limit : left, stop);
+                    talk(limit < left ? limit : left);
                     return;
                 }
                 catch (Exception e) when (e is TimeoutException || e is MessageException)
@@ -95,19 +134,7 @@ namespace NetMQExample
                 + connection.Cure($"is the server running{keys}? ({why})"));
         }
 
-        /// <inheritdoc/>
-        public override string ToString() => $"EnvironmentClient {endpoint}";
-
-        /// <summary>Closes the socket, then leaves NetMQ.</summary>
-        public void Dispose()
-        {
-            // A second Close would throw.
-            if (received.IsInitialised) received.Close();
-            connection.Dispose();
-        }
-
-        private void Talk(
-            SimulatorBase simulator, int count, Action<Action> perform, TimeSpan limit, CancellationToken stop)
+        private void Greet(SimulatorBase simulator, Action<Action> perform, TimeSpan limit, CancellationToken stop)
         {
             try { perform(() => simulator.Hello()); }
             catch (Exception e) when (e is MessageException || e is ArgumentException)
@@ -124,22 +151,23 @@ namespace NetMQExample
             // From now on it makes no second connection: it might do so between two looks, without a hello, and Python
             // and simulator would wait for each other.
             connection.Socket.Options.ReconnectInterval = Timeout.InfiniteTimeSpan;
-            var request = Receive(limit, stop);
+            request = Receive(limit, stop);
             if (request?.Kind != "welcome") throw new MessageException("no-welcome", "hello had another answer");
             welcomed = true;
             report($"simulating {name} for {endpoint}");
-            // Without a request for so long, it says hello again. A learner may be silent for an hour; lesson 17's hub
-            // never is, and says for how long at most.
-            var idle = TimeSpan.FromSeconds(
+            // A learner may be silent for an hour; lesson 17's hub never is, and says for how long at most.
+            idle = TimeSpan.FromSeconds(
                 request.Values.GetValueOrDefault("silence") is double s && s > 0 && s < 3600 ? s : 3600);
-            Action answer = () =>
-            {
-                if (request == null) simulator.Answer(step);
-                else simulator.Answer(request);
-            };
+        }
+
+        private void Talk(
+            SimulatorBase simulator, int count, Action<Action> perform, TimeSpan limit, CancellationToken stop)
+        {
+            Greet(simulator, perform, limit, stop);
+            Action answer = () => Answer(simulator);
             try
             {
-                while ((request = Receive(idle, stop))?.Kind != "close")
+                while (Hear(stop))
                 {
                     var resets = request == null && step.Has(Order.Reset);
                     if (count > 0 && resets && simulator.Episodes >= count) return;
@@ -147,12 +175,8 @@ namespace NetMQExample
                     if (count > 0 && request == null && step.Autoreset && simulator.Episodes > count) return;
                     do perform(answer);
                     while (simulator.Waiting);
-                    if (simulator.Reply != null) Send(simulator.Reply, Try, stop);
-                    else Send(simulator.Frame.Span, false, Try, stop);
+                    Reply(simulator, stop);
                 }
-                // For the last answer; else it would be dropped.
-                connection.Socket.Options.Linger = Try;
-                Send(new Message("closed", request.Id), Try, stop);
             }
             catch (TimeoutException e)
             {
@@ -165,6 +189,29 @@ namespace NetMQExample
                 why = Nothing;
                 tries = 0;
             }
+        }
+
+        // The next request; false: the environment was closed.
+        private bool Hear(CancellationToken stop)
+        {
+            request = Receive(idle, stop);
+            if (request?.Kind != "close") return true;
+            // For the last answer; else it would be dropped.
+            connection.Socket.Options.Linger = Try;
+            Send(new Message("closed", request.Id), Try, stop);
+            return false;
+        }
+
+        private void Answer(SimulatorBase simulator)
+        {
+            if (request == null) simulator.Answer(step);
+            else simulator.Answer(request);
+        }
+
+        private void Reply(SimulatorBase simulator, CancellationToken stop)
+        {
+            if (simulator.Reply != null) Send(simulator.Reply, Try, stop);
+            else Send(simulator.Frame.Span, false, Try, stop);
         }
 
         private void Send(Message message, TimeSpan limit, CancellationToken stop)

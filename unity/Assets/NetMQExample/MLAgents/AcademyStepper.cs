@@ -7,12 +7,11 @@ namespace NetMQExample.MLAgents
     [DefaultExecutionOrder(-1000), AddComponentMenu("")]
     internal sealed class AcademyStepper : MonoBehaviour
     {
-        public static GameObject Make()
+        public static AcademyStepper Make()
         {
             var thing = new GameObject(nameof(AcademyStepper)) { hideFlags = HideFlags.HideInHierarchy };
-            thing.AddComponent<AcademyStepper>();
             DontDestroyOnLoad(thing);
-            return thing;
+            return thing.AddComponent<AcademyStepper>();
         }
 
         private void FixedUpdate()

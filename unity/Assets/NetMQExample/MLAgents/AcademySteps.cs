@@ -21,7 +21,7 @@ namespace NetMQExample.MLAgents
         // Those whose turn it is, while others come and go: in a step, and when all begins anew within it.
         private readonly List<AgentLife> turn = new List<AgentLife>(), beginning = new List<AgentLife>();
         private SceneConnection connection;
-        private GameObject stepper;
+        private AcademyStepper stepper;
         private bool begun, stepping, asleep;
         private int ids;
 
@@ -62,12 +62,8 @@ namespace NetMQExample.MLAgents
             set
             {
                 if (value == AutomaticSteppingEnabled || asleep) return;
-                if (value) stepper = AcademyStepper.Make();
-                else
-                {
-                    Object.Destroy(stepper);
-                    stepper = null;
-                }
+                if (!value) Object.Destroy(stepper.gameObject);
+                stepper = value ? AcademyStepper.Make() : null;
             }
         }
 
@@ -86,7 +82,7 @@ namespace NetMQExample.MLAgents
                 catch (Exception e) { Debug.LogException(e); }
                 StepCount++;
                 TotalStepCount++;
-                foreach (var agent in Turn(turn)) agent.CountStep();
+                foreach (var agent in Turn(turn)) agent.StepCount++;
                 Each(turn, Observe);
                 Decide();
                 Each(turn, Act);
@@ -96,7 +92,7 @@ namespace NetMQExample.MLAgents
 
         internal SceneClock Clock => connection?.Clock;
 
-        internal bool IsSteppedBy(AcademyStepper one) => stepper == one.gameObject;
+        internal bool IsSteppedBy(AcademyStepper one) => stepper == one;
 
         internal int Join(AgentLife agent)
         {

@@ -21,7 +21,6 @@
 using System;
 using System.Collections.ObjectModel;
 using NetMQExample.MLAgents.Actuators;
-using NetMQExample.MLAgents.Inference;
 using NetMQExample.MLAgents.Policies;
 using NetMQExample.MLAgents.Sensors;
 using UnityEngine;

@@ -22,15 +22,13 @@ namespace NetMQExample.MLAgents
         public StackingSensor Stacked;
         private readonly Agent agent;
         private SceneKind kind;
-        private bool lives, ended, requestsDecision, requestsAction, decides;
+        private bool lives, requestsDecision, requestsAction, decides;
+        // Whether its last row is one of an end: so it is before it comes.
+        private bool ended = true;
         // The name of its own method that is running and in which no episode may end, or null.
         private string within;
 
-        public AgentLife(Agent agent)
-        {
-            this.agent = agent;
-            Old = new AgentOfOld(agent, this);
-        }
+        public AgentLife(Agent agent) => (this.agent, Old) = (agent, new AgentOfOld(agent));
 
         /// <summary>Told once when it leaves: to its group.</summary>
         public event Action<Agent> Left;
@@ -52,16 +50,20 @@ namespace NetMQExample.MLAgents
 
         public ActionSpec Spec { get; private set; }
 
+        public int[] Branches { get; private set; }
+
+        private bool HasActions => Spec.NumContinuousActions + Spec.NumDiscreteActions > 0;
+
         public List<ISensor> Sensors { get; private set; } = new List<ISensor>();
 
-        public DiscreteActionMask Mask { get; private set; }
+        public DiscreteActionMask Mask { get; private set; } = new DiscreteActionMask(Array.Empty<int>());
 
         /// <summary>The actions that it acts by; and the last decision, Python's or its Heuristic's.</summary>
         public ActionBuffers Stored { get; private set; }
 
         public ActionBuffers Decided { get; private set; }
 
-        public int StepCount { get; private set; }
+        public int StepCount { get; set; }
 
         public int CompletedEpisodes { get; private set; }
 
@@ -81,20 +83,31 @@ namespace NetMQExample.MLAgents
         public void Begin()
         {
             if (lives) return;
-            lives = true;
-            ended = false;
-            var academy = Academy.Instance;
             Parameters = agent.GetComponent<BehaviorParameters>();
-            Parameters.Changed += ReloadPolicy;
             Spec = Parameters.BrainParameters.ActionSpec;
+            Branches = Spec.BranchSizes ?? Array.Empty<int>();
+            Mask = new DiscreteActionMask(Branches, Name);
+            lives = true;
+            var academy = Academy.Instance;
             Stored = new ActionBuffers(Spec);
             Decided = new ActionBuffers(Spec);
-            Mask = new DiscreteActionMask(Spec.BranchSizes ?? Array.Empty<int>());
             Id = academy.Join(this);
             AgentOfOld.LookForHidden(agent);
-            ReloadPolicy();
             try { agent.Initialize(); }
-            finally { Sensors = SensorList.Of(agent, Parameters, out Vector, out Stacked); }
+            finally
+            {
+                try { Sensors = SensorList.Of(agent, Parameters, out Vector, out Stacked); }
+                catch
+                {
+                    // An agent that does not see all that it should would learn something else.
+                    lives = false;
+                    academy.Leave(this);
+                    throw;
+                }
+                ended = false;
+                Parameters.Changed += ReloadPolicy;
+                ReloadPolicy();
+            }
             // Until the first step nobody begins: that is for when all are there.
             if (academy.TotalStepCount > 0) BeginEpisode();
         }
@@ -104,15 +117,9 @@ namespace NetMQExample.MLAgents
             if (!lives) return;
             lives = false;
             Parameters.Changed -= ReloadPolicy;
-            try
-            {
-                // Where the academy is gone, Play is over.
-                if (Academy.IsInitialized)
-                {
-                    Academy.Instance.Leave(this);
-                    Finish(false, true);
-                }
-            }
+            // Where the academy is gone, Play is over.
+            if (Academy.IsInitialized) Academy.Instance.Leave(this);
+            try { if (Academy.IsInitialized) Finish(false, true); }
             finally
             {
                 foreach (var sensor in Sensors) (sensor as IDisposable)?.Dispose();
@@ -152,8 +159,6 @@ namespace NetMQExample.MLAgents
             BeginEpisode();
         }
 
-        public void CountStep() => StepCount++;
-
         /// <summary>Says what one of its methods has thrown.</summary>
         public void Tell(Exception mistake) => Debug.LogException(mistake, agent);
 
@@ -180,21 +185,19 @@ namespace NetMQExample.MLAgents
             if (decides && !IsPythons)
             {
                 Decided.Clear();
-                if (Spec.NumContinuousActions + Spec.NumDiscreteActions > 0) agent.Heuristic(Decided);
+                if (HasActions) agent.Heuristic(Decided);
             }
             decides = false;
-            Array.Copy(Decided.ContinuousActions.Array, Stored.ContinuousActions.Array, Spec.NumContinuousActions);
-            Array.Copy(Decided.DiscreteActions.Array, Stored.DiscreteActions.Array, Spec.NumDiscreteActions);
+            Decided.ContinuousActions.Array.CopyTo(Stored.ContinuousActions.Array, 0);
+            Decided.DiscreteActions.Array.CopyTo(Stored.DiscreteActions.Array, 0);
         }
 
         public void Act()
         {
             if (!lives) return;
-            if (requestsAction)
-            {
-                requestsAction = false;
-                if (Spec.NumContinuousActions + Spec.NumDiscreteActions > 0) agent.OnActionReceived(Stored);
-            }
+            var acts = requestsAction && HasActions;
+            requestsAction = false;
+            if (acts) agent.OnActionReceived(Stored);
             if (agent.MaxStep <= 0 || StepCount < agent.MaxStep) return;
             Finish(true, false);
             BeginAnew();

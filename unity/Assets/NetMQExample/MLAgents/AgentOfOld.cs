@@ -16,34 +16,25 @@ namespace NetMQExample.MLAgents
         private static readonly HashSet<Type> Looked = new HashSet<Type>();
 
         private readonly Agent agent;
-        private readonly AgentLife life;
         private float[] floats;
         private bool said;
 
-        public AgentOfOld(Agent agent, AgentLife life)
-        {
-            this.agent = agent;
-            this.life = life;
-        }
-
-        // Agents with both kinds of actions came later than these methods.
-        private bool IsMixed => life.Spec.NumContinuousActions > 0 && life.Spec.NumDiscreteActions > 0;
+        public AgentOfOld(Agent agent) => this.agent = agent;
 
         public void Receive(ActionBuffers actions)
         {
-            if (!IsMixed) agent.OnActionReceived(Floats(actions));
+            if (!IsMixed(actions)) agent.OnActionReceived(Floats(actions));
         }
 
         public void Decide(ActionBuffers decided)
         {
-            if (IsMixed)
+            if (IsMixed(decided))
             {
                 HasNone();
                 return;
             }
-            var numbers = decided.ContinuousActions;
-            var choices = decided.DiscreteActions;
             agent.Heuristic(Floats(decided));
+            var (numbers, choices) = (decided.ContinuousActions, decided.DiscreteActions);
             for (var i = 0; i < numbers.Length; i++) numbers[i] = floats[i];
             for (var i = 0; i < choices.Length; i++) choices[i] = (int)floats[i];
         }
@@ -64,16 +55,19 @@ namespace NetMQExample.MLAgents
                 foreach (var name in new[] { "OnEnable", "OnDisable" })
                 {
                     var hiding = type.GetMethod(name, Declared, null, Type.EmptyTypes, null);
-                    if (hiding == null || hiding.GetBaseDefinition().DeclaringType == typeof(Agent)) continue;
-                    Debug.LogError($"trouble: {type.Name}.{name} hides the agent's own: "
-                        + $"write protected override void {name}() with base.{name}(); in it");
+                    if (hiding != null && hiding.GetBaseDefinition().DeclaringType != typeof(Agent))
+                        Debug.LogError($"trouble: {type.Name}.{name} hides the agent's own: "
+                            + $"write protected override void {name}() with base.{name}(); in it");
                 }
         }
 
+        // Agents with both kinds of actions came later than these methods.
+        private static bool IsMixed(ActionBuffers actions) =>
+            actions.ContinuousActions.Length > 0 && actions.DiscreteActions.Length > 0;
+
         private float[] Floats(ActionBuffers actions)
         {
-            var numbers = actions.ContinuousActions;
-            var choices = actions.DiscreteActions;
+            var (numbers, choices) = (actions.ContinuousActions, actions.DiscreteActions);
             floats ??= new float[numbers.Length + choices.Length];
             for (var i = 0; i < numbers.Length; i++) floats[i] = numbers[i];
             for (var i = 0; i < choices.Length; i++) floats[i] = choices[i];

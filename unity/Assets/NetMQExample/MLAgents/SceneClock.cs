@@ -15,8 +15,6 @@ namespace NetMQExample.MLAgents
     internal sealed class SceneClock : SimulatorBase
     {
         private readonly List<SceneKind> kinds = new List<SceneKind>();
-        // Those of the last answer.
-        private readonly List<SceneKind> asked = new List<SceneKind>();
         private bool begun;
         private int known;
 
@@ -27,9 +25,6 @@ namespace NetMQExample.MLAgents
 
         /// <summary>Whether any row waits for an answer.</summary>
         public bool HasRows { get; set; }
-
-        /// <summary>Whether the last request, which was to be answered, is.</summary>
-        public bool Answered { get; set; } = true;
 
         /// <summary>Whether the last request begins all anew.</summary>
         public bool Resets { get; private set; }
@@ -64,10 +59,11 @@ namespace NetMQExample.MLAgents
 
         public override bool Do(StepRequest request, StepAnswer answer, bool again)
         {
+            // The step that it has waited for has something to tell.
             if (again)
             {
                 Tell(answer);
-                return Answered = true;
+                return true;
             }
             if (!request.SceneClock)
                 throw new MessageException("wrong-clock", "this scene goes by its own clock, as ML-Agents' do: "
@@ -87,17 +83,13 @@ namespace NetMQExample.MLAgents
         private void Begin(ReadOnlyMemory<byte> options)
         {
             begun = true;
-            if (options.Length == 0) return;
-            if (!(MessageTree.Read(options) is Dictionary<string, object> said)) return;
-            if (said.TryGetValue("seed", out var seed) && seed is long number) Seed = unchecked((int)number);
+            if (options.Length > 0 && MessageTree.Read(options) is Dictionary<string, object> said
+                && said.TryGetValue("seed", out var seed) && seed is long number) Seed = unchecked((int)number);
         }
 
-        private SceneKind Asked(RequestSection section)
-        {
-            foreach (var kind in asked)
-                if (kind.Number == section.Kind) return kind;
-            throw new MessageException("bad-actions", $"actions for kind {section.Kind}, of which nobody wanted one");
-        }
+        private SceneKind Asked(RequestSection section) =>
+            section.Kind < kinds.Count && kinds[section.Kind].Asked ? kinds[section.Kind] : throw new MessageException(
+                "bad-actions", $"actions for kind {section.Kind}, of which nobody wanted one");
 
         private void Tell(StepAnswer answer)
         {
@@ -109,10 +101,8 @@ namespace NetMQExample.MLAgents
                     ["kinds"] = kinds.Skip(known).Select(kind => (object)kind.Description).ToList(),
                 });
             known = kinds.Count;
-            asked.Clear();
             foreach (var kind in kinds) kind.WriteEnded(answer);
-            foreach (var kind in kinds)
-                if (kind.WriteWanting(answer)) asked.Add(kind);
+            foreach (var kind in kinds) kind.WriteWanting(answer);
             HasRows = false;
         }
     }

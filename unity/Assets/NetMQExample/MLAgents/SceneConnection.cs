@@ -3,18 +3,16 @@
 // A build takes the port from --mlagents-port 5005, as ML-Agents' own, or the endpoint from --endpoint; the editor has
 // the port 5004. A ZeroMQ connection is never refused, so a plain one comes first: without Python Play begins at once,
 // and ZeroMQ greets whoever comes, so another program, such as ML-Agents' own trainer, is known as soon.
-// The main thread waits in each step that has something to tell, but never for a Python that is gone.
+// The main thread itself sends and waits, in each step that has something to tell: another one would cost a tenth of
+// the speed. It never waits for a Python that is gone.
 using System;
-using System.Diagnostics;
 using System.Net;
 using System.Net.Sockets;
-using System.Threading;
 using UnityEngine;
-using Debug = UnityEngine.Debug;
 
 namespace NetMQExample.MLAgents
 {
-    /// <summary>A network thread that serves Python. Its other members are for the main thread.</summary>
+    /// <summary>Brings what the scene has to tell to Python.</summary>
     internal sealed class SceneConnection : IDisposable
     {
         private const int EditorPort = 5004;
@@ -24,18 +22,11 @@ namespace NetMQExample.MLAgents
         private const byte Greeting = 0xFF;
         private static readonly TimeSpan Patience = TimeSpan.FromSeconds(30);
 
-        private readonly Handover handover = new Handover();
-        private readonly CancellationTokenSource stop = new CancellationTokenSource();
-        private readonly Thread thread;
-        private volatile string why;
-        private bool gone;
+        private EnvironmentClient client;
+        // Why it has ended, or null.
+        private string why;
 
-        private SceneConnection(string endpoint)
-        {
-            Clock.Mistake = Debug.LogException;
-            thread = new Thread(() => Talk(endpoint)) { IsBackground = true, Name = nameof(SceneConnection) };
-            thread.Start();
-        }
+        private SceneConnection() => Clock.Mistake = Debug.LogException;
 
         public SceneClock Clock { get; } = new SceneClock();
 
@@ -54,8 +45,8 @@ namespace NetMQExample.MLAgents
                     Debug.Log($"no Python at {endpoint}: Heuristic decides; to train, start Python before you press Play");
                 return null;
             }
-            var made = new SceneConnection(endpoint);
-            if (made.Next())
+            var made = new SceneConnection();
+            if (made.Next(endpoint))
             {
                 // Without it Unity stops where another window has the focus, and Python would wait.
                 Application.runInBackground = true;
@@ -70,11 +61,8 @@ namespace NetMQExample.MLAgents
         /// <returns>Whether all begins anew.</returns>
         public bool Exchange()
         {
-            if (!Clock.HasRows || gone) return false;
-            Clock.Answered = false;
-            if (Next()) return Clock.Resets;
-            gone = true;
-            if (stop.IsCancellationRequested) return false;
+            if (!Clock.HasRows || why != null) return false;
+            if (Next(null)) return Clock.Resets;
             Debug.Log($"Play ends: {why}");
 #if UNITY_EDITOR
             UnityEditor.EditorApplication.isPlaying = false;
@@ -83,47 +71,35 @@ namespace NetMQExample.MLAgents
             return false;
         }
 
-        public void Dispose()
-        {
-            stop.Cancel();
-            NetworkThread.Join(thread);
-        }
+        public void Dispose() => client?.Dispose();
 
-        // Does what the network thread asks for until there is a request to wait for a step. It lives as long as Python
-        // does.
-        private bool Next()
-        {
-            while (thread.IsAlive)
-            {
-                handover.DoNext(20);
-                if (Clock.Answered && Clock.Waiting) return true;
-            }
-            return false;
-        }
-
-        private void Talk(string endpoint)
+        // The next request that waits for a step; at first it connects.
+        private bool Next(string endpoint)
         {
             try
             {
-                using var client = new EnvironmentClient(endpoint, Patience, Debug.Log) { Once = true };
-                client.Run(Clock, 0, work => handover.Do(work, stop.Token), stop.Token);
+                if (client == null)
+                {
+                    client = new EnvironmentClient(endpoint, Patience, Debug.Log) { Once = true };
+                    client.Join(Clock);
+                }
+                if (client.Next(Clock)) return true;
                 why = "Python has closed it";
             }
-            catch (ThreadAbortException) { /* The domain is being unloaded. */ }
             catch (Exception e) { why = LogText.Why(e); }
+            return false;
         }
 
         private static string Endpoint()
         {
             var words = Environment.GetCommandLineArgs();
-            var at = Array.LastIndexOf(words, "--mlagents-port") + 1;
-            if (at > 0 && at < words.Length) return $"tcp://127.0.0.1:{words[at]}";
-            at = Array.LastIndexOf(words, "--endpoint") + 1;
-            if (at > 0 && at < words.Length) return words[at];
+            string After(string option) =>
+                Array.LastIndexOf(words, option) is int at && at >= 0 && at + 1 < words.Length ? words[at + 1] : null;
+            if (After("--mlagents-port") is string port) return $"tcp://127.0.0.1:{port}";
 #if UNITY_EDITOR
-            return $"tcp://127.0.0.1:{EditorPort}";
+            return After("--endpoint") ?? $"tcp://127.0.0.1:{EditorPort}";
 #else
-            return null;
+            return After("--endpoint");
 #endif
         }
 

@@ -14,31 +14,32 @@ namespace NetMQExample.MLAgents
         // Those that wanted an action in the answer before; and those of the next one.
         private List<AgentLife> asked = new List<AgentLife>(), next = new List<AgentLife>();
         private readonly string sizes;
-        private readonly int continuous, branches, rowBytes;
+        private readonly int number, continuous, branches, rowBytes;
 
         public SceneKind(int number, AgentLife first)
         {
-            Number = number;
+            this.number = number;
             Behavior = first.Behavior;
             continuous = first.Spec.NumContinuousActions;
             branches = first.Spec.NumDiscreteActions;
-            foreach (var sensor in first.Sensors) rowBytes += SensorRows.Size(sensor);
+            rowBytes = first.Sensors.Sum(SensorRows.Size);
             sizes = SizesOf(first);
             Description = new Dictionary<string, object>
             {
                 ["name"] = first.Parameters.BehaviorName,
                 ["team"] = (long)first.Parameters.TeamId,
                 ["continuous"] = (long)continuous,
-                ["branches"] = BranchesOf(first).Select(size => (object)(long)size).ToList(),
-                ["sensors"] = first.Sensors.Select(sensor => (object)Describe(sensor)).ToList(),
+                ["branches"] = first.Branches.Select(size => (object)(long)size).ToList(),
+                ["sensors"] = first.Sensors.Select(Describe).ToList(),
             };
         }
-
-        public int Number { get; }
 
         public string Behavior { get; }
 
         public Dictionary<string, object> Description { get; }
+
+        /// <summary>Whether any of them wanted an action in the answer before.</summary>
+        public bool Asked => asked.Count > 0;
 
         /// <exception cref="UnityAgentsException">The agent has other sizes than the first one.</exception>
         public void Check(AgentLife agent)
@@ -60,18 +61,14 @@ namespace NetMQExample.MLAgents
             ended.Add(agent, interrupted ? Marks.Truncated : Marks.Terminated, rowBytes);
 
         /// <summary>Writes the rows of those that have ended, which are no more then.</summary>
-        public void WriteEnded(StepAnswer answer) => ended.Write(answer, Number);
+        public void WriteEnded(StepAnswer answer) => ended.Write(answer, number);
 
         /// <summary>The same for those that want an action.</summary>
-        /// <returns>Whether anybody does.</returns>
-        public bool WriteWanting(StepAnswer answer)
+        public void WriteWanting(StepAnswer answer)
         {
-            wanting.Write(answer, Number);
-            var before = asked;
-            asked = next;
-            next = before;
+            wanting.Write(answer, number);
+            (asked, next) = (next, asked);
             next.Clear();
-            return asked.Count > 0;
         }
 
         /// <exception cref="MessageException">These are no actions for those who wanted one.</exception>
@@ -92,40 +89,31 @@ namespace NetMQExample.MLAgents
         {
             for (var row = 0; row < section.Count; row++)
             {
-                var (numbers, choices) = (asked[row].Decided.ContinuousActions, asked[row].Decided.DiscreteActions);
                 var bytes = section.Row(row).Span;
-                MemoryMarshal.Cast<byte, float>(bytes.Slice(0, 4 * continuous)).CopyTo(numbers.Array);
-                MemoryMarshal.Cast<byte, int>(bytes.Slice(4 * continuous)).CopyTo(choices.Array);
+                var decided = asked[row].Decided;
+                bytes.Slice(0, 4 * continuous).CopyTo(MemoryMarshal.AsBytes<float>(decided.ContinuousActions.Array));
+                bytes.Slice(4 * continuous).CopyTo(MemoryMarshal.AsBytes<int>(decided.DiscreteActions.Array));
             }
         }
 
         private static string SizesOf(AgentLife agent)
         {
-            var seen = agent.Sensors.Select(sensor => $"{sensor.GetName()} ({string.Join(" x ", ShapeOf(sensor))})");
+            var seen = agent.Sensors.Select(
+                sensor => $"{sensor.GetName()} ({string.Join(" x ", sensor.GetObservationSpec().Shape)})");
             return $"{agent.Spec.NumContinuousActions} continuous actions, "
-                + $"branches [{string.Join(", ", BranchesOf(agent))}], sensors [{string.Join(", ", seen)}]";
+                + $"branches [{string.Join(", ", agent.Branches)}], sensors [{string.Join(", ", seen)}]";
         }
 
-        private static int[] BranchesOf(AgentLife agent) => agent.Spec.BranchSizes ?? Array.Empty<int>();
-
-        private static IEnumerable<int> ShapeOf(ISensor sensor)
-        {
-            var shape = sensor.GetObservationSpec().Shape;
-            return Enumerable.Range(0, shape.Length).Select(at => shape[at]);
-        }
-
-        private static Dictionary<string, object> Describe(ISensor sensor)
+        private static object Describe(ISensor sensor)
         {
             var spec = sensor.GetObservationSpec();
-            var properties = Enumerable.Range(0, spec.Shape.Length)
-                .Select(at => (object)(long)spec.DimensionProperties[at]);
             return new Dictionary<string, object>
             {
                 ["name"] = sensor.GetName(),
-                ["shape"] = ShapeOf(sensor).Select(size => (object)(long)size).ToList(),
+                ["shape"] = spec.Shape.Select(size => (object)(long)size).ToList(),
                 ["dtype"] = SensorRows.IsPicture(sensor) ? "uint8" : "float32",
                 ["type"] = (long)spec.ObservationType,
-                ["properties"] = properties.ToList(),
+                ["properties"] = spec.DimensionProperties.Select(one => (object)(long)one).ToList(),
             };
         }
     }

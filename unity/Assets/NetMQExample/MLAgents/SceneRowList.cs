@@ -8,7 +8,8 @@ namespace NetMQExample.MLAgents
     /// <summary>It is filled again and again, and then makes no garbage.</summary>
     internal sealed class SceneRowList
     {
-        private readonly List<Row> rows = new List<Row>();
+        private readonly List<(int Id, int Group, float Reward, float GroupReward, Marks Mark)> rows =
+            new List<(int, int, float, float, Marks)>();
         private readonly FrameBuffer values = new FrameBuffer(), masks = new FrameBuffer();
         private readonly Columns kindOf;
         private bool grouped, masked;
@@ -33,7 +34,7 @@ namespace NetMQExample.MLAgents
             if (!complete)
                 throw new UnityAgentsException($"{agent.Name}: a sensor has changed its size, which it never may: "
                     + "return the same GetObservationSpec each time");
-            rows.Add(new Row(agent, mark | Marks.Seen));
+            rows.Add((agent.Id, agent.GroupId, agent.RowReward, agent.RowGroupReward, mark | Marks.Seen));
             grouped |= agent.GroupId != 0;
             if ((mark & Marks.Wants) == 0) return;
             masked |= agent.Mask.Any;
@@ -66,22 +67,6 @@ namespace NetMQExample.MLAgents
             values.Clear();
             masks.Clear();
             grouped = masked = false;
-        }
-
-        private readonly struct Row
-        {
-            public readonly int Id, Group;
-            public readonly float Reward, GroupReward;
-            public readonly Marks Mark;
-
-            public Row(AgentLife agent, Marks mark)
-            {
-                Id = agent.Id;
-                Group = agent.GroupId;
-                Reward = agent.RowReward;
-                GroupReward = agent.RowGroupReward;
-                Mark = mark;
-            }
         }
     }
 }

@@ -1,7 +1,6 @@
 // ML-Agents' shape, a group: agents that earn together. A script makes it and registers its agents.
 using System;
 using System.Collections.Generic;
-using System.Linq;
 using System.Threading;
 
 namespace NetMQExample.MLAgents
@@ -68,22 +67,15 @@ namespace NetMQExample.MLAgents
         }
 
         /// <summary>The episode is over for all of them.</summary>
-        public void EndGroupEpisode()
-        {
-            // A copy: the next episode may begin with others.
-            foreach (var agent in agents.ToArray()) agent.EndEpisode();
-        }
+        public void EndGroupEpisode() => Each(agent => agent.EndEpisode());
 
         /// <summary>The same for another reason than an end of the task, such as the time.</summary>
-        public void GroupEpisodeInterrupted()
-        {
-            foreach (var agent in agents.ToArray()) agent.EpisodeInterrupted();
-        }
+        public void GroupEpisodeInterrupted() => Each(agent => agent.EpisodeInterrupted());
 
         /// <summary>Lets all go.</summary>
-        public virtual void Dispose()
-        {
-            foreach (var agent in agents.ToArray()) UnregisterAgent(agent);
-        }
+        public virtual void Dispose() => Each(UnregisterAgent);
+
+        // Of a copy: the next episode may begin with others.
+        private void Each(Action<Agent> call) => Array.ForEach(agents.ToArray(), call);
     }
 }

@@ -1,5 +1,10 @@
-// ML-Agents' shape, the actions of one step: continuous ones, discrete ones, or both.
+// ML-Agents' shape, the actions of one step: continuous ones, discrete ones, or both; a segment has those of one kind.
+//
+//     var steer = actionsOut.ContinuousActions;
+//     steer[0] = 1;                     writes into the array, of which a segment is no copy
 using System;
+using System.Collections;
+using System.Collections.Generic;
 using System.Linq;
 
 namespace NetMQExample.MLAgents.Actuators
@@ -33,8 +38,7 @@ namespace NetMQExample.MLAgents.Actuators
 
         /// <summary>Choices that are written as floats; null: none.</summary>
         public static ActionBuffers FromDiscreteActions(float[] discreteActions) =>
-            new ActionBuffers(null,
-                discreteActions == null ? null : Array.ConvertAll(discreteActions, action => (int)action));
+            new ActionBuffers(null, discreteActions?.Select(action => (int)action).ToArray());
 
         /// <summary>Makes all of them 0.</summary>
         public void Clear()
@@ -53,5 +57,69 @@ namespace NetMQExample.MLAgents.Actuators
 
         /// <inheritdoc/>
         public override int GetHashCode() => (ContinuousActions.Length, DiscreteActions.Length).GetHashCode();
+    }
+
+    /// <summary>A part of an array.</summary>
+    /// <typeparam name="T">float for continuous actions, int for discrete ones.</typeparam>
+    public readonly struct ActionSegment<T> : IEnumerable<T>, IEquatable<ActionSegment<T>>
+        where T : struct
+    {
+        /// <summary>Where it begins in the array.</summary>
+        public readonly int Offset;
+
+        /// <summary>How many actions there are.</summary>
+        public readonly int Length;
+
+        /// <summary>One without actions.</summary>
+        public static ActionSegment<T> Empty = new ActionSegment<T>(null);
+
+        /// <summary>All of an array; null: none.</summary>
+        public ActionSegment(T[] actionArray) : this(actionArray, 0, actionArray?.Length ?? 0) { }
+
+        /// <summary>A part of an array.</summary>
+        /// <exception cref="ArgumentOutOfRangeException">The array ends before it.</exception>
+        public ActionSegment(T[] actionArray, int offset, int length)
+        {
+            Array = actionArray ?? System.Array.Empty<T>();
+            if (offset < 0 || length < 0 || offset + length > Array.Length)
+                throw new ArgumentOutOfRangeException(nameof(offset),
+                    $"{length} actions from {offset} on are more than the array's {Array.Length}");
+            Offset = offset;
+            Length = length;
+        }
+
+        /// <summary>The whole array, which others may share.</summary>
+        public T[] Array { get; }
+
+        /// <summary>One action; setting it writes into the array.</summary>
+        /// <exception cref="IndexOutOfRangeException">There are fewer.</exception>
+        public T this[int index] { get => Array[Place(index)]; set => Array[Place(index)] = value; }
+
+        /// <summary>Makes all of them 0.</summary>
+        public void Clear() => Array.AsSpan(Offset, Length).Clear();
+
+        /// <summary>Whether its array is empty.</summary>
+        public bool IsEmpty() => Array == null || Array.Length == 0;
+
+        /// <inheritdoc/>
+        public IEnumerator<T> GetEnumerator()
+        {
+            for (var i = 0; i < Length; i++) yield return Array[Offset + i];
+        }
+
+        IEnumerator IEnumerable.GetEnumerator() => GetEnumerator();
+
+        /// <summary>Whether it is the same part of an equal array.</summary>
+        public bool Equals(ActionSegment<T> other) => Offset == other.Offset && Length == other.Length
+            && (Array ?? Empty.Array).SequenceEqual(other.Array ?? Empty.Array);
+
+        /// <inheritdoc/>
+        public override bool Equals(object obj) => obj is ActionSegment<T> other && Equals(other);
+
+        /// <inheritdoc/>
+        public override int GetHashCode() => (Offset, Length).GetHashCode();
+
+        private int Place(int index) => index >= 0 && index < Length ? Offset + index
+            : throw new IndexOutOfRangeException($"action {index} of {Length}: does Behavior Parameters have as many?");
     }
 }

@@ -22,8 +22,13 @@ namespace NetMQExample.MLAgents.Actuators
         private readonly int[] branches;
         private readonly byte[] forbidden;
 
-        public DiscreteActionMask(int[] branchSizes)
+        /// <exception cref="UnityAgentsException">A branch has no choice.</exception>
+        public DiscreteActionMask(int[] branchSizes, string agent = "an agent")
         {
+            var none = Array.FindIndex(branchSizes, size => size < 1);
+            if (none >= 0)
+                throw new UnityAgentsException($"{agent} stands still: Branch Sizes in its Behavior Parameters has "
+                    + $"{branchSizes[none]} at branch {none}: give each branch a choice, or remove it");
             branches = branchSizes;
             forbidden = new byte[branchSizes.Sum()];
         }
@@ -54,12 +59,12 @@ namespace NetMQExample.MLAgents.Actuators
         public void Check()
         {
             for (var branch = 0; branch < branches.Length; branch++)
-                if (branches[branch] > 0
-                    && Array.IndexOf(forbidden, (byte)0, Begin(branch), branches[branch]) < 0)
+                if (Array.IndexOf(forbidden, (byte)0, Begin(branch), branches[branch]) < 0)
                     throw new UnityAgentsException(
                         $"all choices of branch {branch} are masked: WriteDiscreteActionMask must leave one");
         }
 
+        // By hand: each decision looks, and Linq makes garbage.
         private int Begin(int branch)
         {
             var begin = 0;

@@ -4,7 +4,6 @@
 // Team Id are of one behavior in Python, "Ball?team=0"; all of them have the same sizes.
 // Trouble: a model is not run here. It is kept, and one line says what to do.
 using System;
-using NetMQExample.MLAgents.Inference;
 using UnityEngine;
 using UnityEngine.Serialization;
 using Object = UnityEngine.Object;

@@ -1,4 +1,4 @@
-// ML-Agents' shape, who decides for an agent, and which of its members are observed.
+// ML-Agents' shape, the choices in Behavior Parameters.
 using System;
 
 namespace NetMQExample.MLAgents.Policies
@@ -13,6 +13,23 @@ namespace NetMQExample.MLAgents.Policies
         HeuristicOnly,
         /// <summary>A model, which the kit does not run.</summary>
         InferenceOnly,
+    }
+
+    /// <summary>Where a model would run. Nothing here depends on it.</summary>
+    public enum InferenceDevice
+    {
+        /// <summary>As the inference package likes.</summary>
+        Default = 0,
+        /// <summary>On the graphics card.</summary>
+        GPU = 1,
+        /// <summary>The name of 3.0 for it.</summary>
+        ComputeShader = 1,
+        /// <summary>On the processor, compiled.</summary>
+        Burst = 2,
+        /// <summary>On the processor.</summary>
+        CPU = 3,
+        /// <summary>The name of 3.0 for the same number.</summary>
+        PixelShader = 3,
     }
 
     /// <summary>Which members with [Observable] an agent sees.</summary>

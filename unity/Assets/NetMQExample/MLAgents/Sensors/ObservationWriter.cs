@@ -1,5 +1,7 @@
 // ML-Agents' shape, a writer: where a sensor's Write puts its numbers.
+using System;
 using System.Collections.Generic;
+using System.Runtime.InteropServices;
 using UnityEngine;
 
 namespace NetMQExample.MLAgents.Sensors
@@ -11,10 +13,10 @@ namespace NetMQExample.MLAgents.Sensors
         private int size, height, width;
 
         /// <summary>A number of a vector.</summary>
-        public float this[int index] { set => numbers[Place(index)] = value; }
+        public float this[int index] { set => numbers[Within(index, size)] = value; }
 
         /// <summary>A number of an array of rows.</summary>
-        public float this[int ch, int w] { set => numbers[Place((ch * width) + Within(w, width))] = value; }
+        public float this[int ch, int w] { set => this[(ch * width) + Within(w, width)] = value; }
 
         /// <summary>A number of a picture, from 0 to 1; the highest row is 0.</summary>
         public float this[int ch, int h, int w] { set => this[(ch * height) + Within(h, height), w] = value; }
@@ -26,37 +28,29 @@ namespace NetMQExample.MLAgents.Sensors
         }
 
         /// <summary>Writes x, y and z.</summary>
-        public void Add(Vector3 vec, int writeOffset = 0)
-        {
-            this[writeOffset] = vec.x;
-            this[writeOffset + 1] = vec.y;
-            this[writeOffset + 2] = vec.z;
-        }
+        public void Add(Vector3 vec, int writeOffset = 0) => AddList(new[] { vec.x, vec.y, vec.z }, writeOffset);
 
         /// <summary>Writes x, y, z and w.</summary>
-        public void Add(Vector4 vec, int writeOffset = 0)
-        {
-            Add(new Vector3(vec.x, vec.y, vec.z), writeOffset);
-            this[writeOffset + 3] = vec.w;
-        }
+        public void Add(Vector4 vec, int writeOffset = 0) => AddList(new[] { vec.x, vec.y, vec.z, vec.w }, writeOffset);
 
         /// <summary>Writes x, y, z and w.</summary>
         public void Add(Quaternion quat, int writeOffset = 0) =>
             Add(new Vector4(quat.x, quat.y, quat.z, quat.w), writeOffset);
 
-        // Into an array that may be longer.
-        internal void SetTarget(float[] target, ISensor sensor)
+        // What a sensor writes, until the next one does.
+        internal ReadOnlySpan<byte> BytesOf(ISensor sensor)
         {
             var shape = sensor.GetObservationSpec().Shape;
-            numbers = target;
             size = sensor.ObservationSize();
             width = shape[shape.Length - 1];
             height = shape.Length > 1 ? shape[shape.Length - 2] : 1;
+            if (numbers.Length < size) numbers = new float[size];
+            Array.Clear(numbers, 0, size);
+            sensor.Write(this);
+            return MemoryMarshal.AsBytes(numbers.AsSpan(0, size));
         }
 
         private static int Within(int place, int end) => place >= 0 && place < end ? place : throw Outside(place, end);
-
-        private int Place(int index) => Within(index, size);
 
         private static UnityAgentsException Outside(int place, int end) => new UnityAgentsException(
             $"a sensor writes to place {place} of {end}: compare its Write with its GetObservationSpec");

@@ -1,4 +1,4 @@
-// ML-Agents' shape, a picture: the pixels of a render texture as uint8 [channels, height, width], the highest row
+// ML-Agents' shape, pictures: the pixels of a render texture as uint8 [channels, height, width], the highest row
 // first. Grey is the mean of red, green and blue, as ML-Agents' Python makes it.
 using System;
 using Unity.Collections;
@@ -9,71 +9,109 @@ using Object = UnityEngine.Object;
 namespace NetMQExample.MLAgents.Sensors
 {
     /// <summary>The base of the camera's and of the render texture's sensor.</summary>
-    public abstract class PictureSensor : BuiltInSensor, IPicture, IDisposable
+    public abstract class PictureSensor : BuiltInSensor, IRow, IDisposable
     {
-        private readonly int width, height, channels;
         private readonly byte[] pixels, picture;
         private readonly Texture2D copy;
 
-        internal PictureSensor(string name, int width, int height, bool grayscale, ObservationType type)
-            : base(name, ObservationSpec.Visual(grayscale ? 1 : 3, height, width, type))
+        internal PictureSensor(string name, RenderTexture from, bool grayscale, SensorCompressionType compression,
+            ObservationType type) : base(name, ObservationSpec.Visual(grayscale ? 1 : 3, from.height, from.width, type))
         {
             if (!HasGraphics)
                 Debug.LogError($"{name} sees black only, for there is no graphics card: start without -nographics");
-            this.width = width;
-            this.height = height;
-            channels = grayscale ? 1 : 3;
-            pixels = new byte[4 * width * height];
-            picture = new byte[channels * width * height];
-            copy = new Texture2D(width, height, TextureFormat.RGBA32, false);
+            Texture = from;
+            CompressionType = compression;
+            pixels = new byte[4 * from.width * from.height];
+            picture = new byte[this.ObservationSize()];
+            copy = new Texture2D(from.width, from.height, TextureFormat.RGBA32, false);
         }
 
         /// <summary>Nothing here depends on it: pictures are sent as they are.</summary>
         public SensorCompressionType CompressionType { get; set; }
 
-        bool IPicture.IsPicture => true;
+        bool IRow.IsPicture => true;
 
         internal static bool HasGraphics => SystemInfo.graphicsDeviceType != GraphicsDeviceType.Null;
+
+        internal RenderTexture Texture { get; }
 
         /// <inheritdoc/>
         public override int Write(ObservationWriter writer)
         {
-            Look();
+            Read();
             for (var i = 0; i < picture.Length; i++) writer[i] = picture[i] / 255f;
             return picture.Length;
         }
 
-        void IPicture.Write(Span<byte> to)
+        void IRow.WriteRow(Span<byte> to)
         {
-            Look();
-            picture.AsSpan().CopyTo(to);
+            Read();
+            picture.CopyTo(to);
         }
 
         /// <summary>Destroys its textures.</summary>
         public virtual void Dispose() => Object.Destroy(copy);
 
-        // The last moment before the picture is taken.
-        internal virtual void Look() { }
-
-        internal void Read(RenderTexture from)
+        private void Read()
         {
+            if (!HasGraphics) return;
+            int width = copy.width, height = copy.height, size = width * height;
             var before = RenderTexture.active;
-            RenderTexture.active = from;
+            RenderTexture.active = Texture;
             copy.ReadPixels(new Rect(0, 0, width, height), 0, 0, false);
             RenderTexture.active = before;
             NativeArray<byte>.Copy(copy.GetRawTextureData<byte>(), pixels);
-            var size = width * height;
-            for (var y = 0; y < height; y++)
-                for (var x = 0; x < width; x++)
-                {
-                    var at = 4 * (((height - 1 - y) * width) + x);
-                    var to = (y * width) + x;
-                    if (channels == 1)
-                        picture[to] = (byte)((pixels[at] + pixels[at + 1] + pixels[at + 2] + 1) / 3);
-                    else
-                        for (var channel = 0; channel < 3; channel++)
-                            picture[(channel * size) + to] = pixels[at + channel];
-                }
+            for (var to = 0; to < size; to++)
+            {
+                // Unity's lowest row is the first one.
+                var at = 4 * ((height - 1 - to / width) * width + to % width);
+                if (picture.Length == size) picture[to] = (byte)((pixels[at] + pixels[at + 1] + pixels[at + 2] + 1) / 3);
+                else for (var channel = 0; channel < 3; channel++) picture[channel * size + to] = pixels[at + channel];
+            }
         }
+    }
+
+    /// <summary>The picture of a camera. It looks at each decision, and draws on the screen only where it did
+    /// before.</summary>
+    public class CameraSensor : PictureSensor
+    {
+        /// <summary>With its camera, and the size of its picture.</summary>
+        public CameraSensor(Camera camera, int width, int height, bool grayscale, string name,
+            SensorCompressionType compression, ObservationType observationType = ObservationType.Default)
+            : base(name, Canvas(width, height), grayscale, compression, observationType) =>
+            Camera = Require.Given("camera", camera);
+
+        /// <summary>The camera.</summary>
+        public Camera Camera { get; set; }
+
+        /// <inheritdoc/>
+        public override void Update()
+        {
+            if (!HasGraphics) return;
+            var (target, part) = (Camera.targetTexture, Camera.rect);
+            (Camera.targetTexture, Camera.rect) = (Texture, new Rect(0, 0, 1, 1));
+            Camera.Render();
+            (Camera.targetTexture, Camera.rect) = (target, part);
+        }
+
+        /// <inheritdoc/>
+        public override void Dispose()
+        {
+            base.Dispose();
+            Object.Destroy(Texture);
+        }
+
+        private static RenderTexture Canvas(int width, int height) =>
+            new RenderTexture(width, height, 24, RenderTextureFormat.ARGB32, RenderTextureReadWrite.sRGB);
+    }
+
+    /// <summary>The picture in a render texture, which somebody else draws.</summary>
+    public class RenderTextureSensor : PictureSensor
+    {
+        /// <summary>With its texture.</summary>
+        public RenderTextureSensor(
+            RenderTexture renderTexture, bool grayscale, string name, SensorCompressionType compressionType)
+            : base(name, Require.Given("renderTexture", renderTexture), grayscale, compressionType,
+                ObservationType.Default) { }
     }
 }

@@ -20,19 +20,18 @@ namespace NetMQExample.MLAgents.Sensors
             MonoBehaviour agent, BehaviorParameters parameters, out VectorSensor vector, out StackingSensor stacked)
         {
             var all = new List<ISensor>();
-            if (parameters.ObservableAttributeHandling != ObservableAttributeOptions.Ignore)
-                all.AddRange(ObservableSensor.Of(agent,
-                    parameters.ObservableAttributeHandling == ObservableAttributeOptions.ExcludeInherited));
+            var observable = parameters.ObservableAttributeHandling;
+            if (observable != ObservableAttributeOptions.Ignore)
+                all.AddRange(ObservableSensor.Of(agent, observable == ObservableAttributeOptions.ExcludeInherited));
             var components = parameters.UseChildSensors
                 ? agent.GetComponentsInChildren<SensorComponent>()
                 : agent.GetComponents<SensorComponent>();
-            foreach (var component in components) all.AddRange(Made(component));
+            foreach (var component in components) all.AddRange(Made(component, agent));
             var sizes = parameters.BrainParameters;
             vector = sizes.VectorObservationSize > 0 ? new VectorSensor(sizes.VectorObservationSize) : null;
-            stacked = vector != null && sizes.NumStackedVectorObservations > 1
-                ? new StackingSensor(vector, sizes.NumStackedVectorObservations)
-                : null;
-            if (vector != null) all.Add(stacked ?? (ISensor)vector);
+            var last = vector == null ? null : StackingSensor.Of(vector, sizes.NumStackedVectorObservations);
+            stacked = last as StackingSensor;
+            if (last != null) all.Add(last);
             all.Sort((a, b) => string.Compare(a.GetName(), b.GetName(), StringComparison.InvariantCulture));
             for (var i = 1; i < all.Count; i++)
                 if (all[i].GetName() == all[i - 1].GetName())
@@ -44,13 +43,19 @@ namespace NetMQExample.MLAgents.Sensors
             return all;
         }
 
-        private static ISensor[] Made(SensorComponent component)
+        private static ISensor[] Made(SensorComponent component, MonoBehaviour agent)
         {
-            var made = component.CreateSensors();
-            if (made == null || Array.IndexOf(made, null) >= 0)
-                throw new UnityAgentsException($"{component.name}: CreateSensors of {component.GetType().Name} has "
-                    + "returned null: return an array of sensors");
-            return made;
+            try
+            {
+                var made = component.CreateSensors();
+                return made != null && Array.IndexOf(made, null) < 0 ? made
+                    : throw new UnityAgentsException("it has returned null: return an array of sensors");
+            }
+            catch (Exception e)
+            {
+                throw new UnityAgentsException($"{agent.name} stands still: CreateSensors of "
+                    + $"{component.GetType().Name} on {component.name} has failed: {e.Message}", e);
+            }
         }
     }
 }

@@ -1,20 +1,18 @@
 // ML-Agents' shape, a stack: what a sensor has seen now and at earlier decisions, the oldest first; zeros before the
 // first one of an episode.
 using System;
-using System.Collections.Generic;
 using System.Collections.ObjectModel;
+using System.Runtime.InteropServices;
 
 namespace NetMQExample.MLAgents.Sensors
 {
     /// <summary>So many observations of one sensor, as one. Pictures have so many times more channels.</summary>
-    public class StackingSensor : BuiltInSensor, IPicture, IDisposable
+    public class StackingSensor : BuiltInSensor, IRow, IDisposable
     {
         private readonly ISensor wrapped;
-        private readonly ObservationWriter local = new ObservationWriter();
-        private readonly float[][] numbers;
-        private readonly byte[][] pictures;
-        private readonly int count, size;
-        private int now;
+        private readonly ObservationWriter writer = new ObservationWriter();
+        private readonly byte[] rows;
+        private readonly int size;
 
         /// <summary>Around a sensor.</summary>
         /// <exception cref="UnityAgentsException">It is no vector and no picture.</exception>
@@ -23,50 +21,39 @@ namespace NetMQExample.MLAgents.Sensors
                 Stacked(wrapped, numStackedObservations))
         {
             this.wrapped = wrapped;
-            count = numStackedObservations;
-            size = wrapped.ObservationSize();
-            numbers = new float[count][];
-            pictures = new byte[count][];
-            for (var i = 0; i < count; i++)
-            {
-                numbers[i] = new float[size];
-                pictures[i] = new byte[size];
-            }
+            size = SensorRows.Size(wrapped);
+            rows = new byte[size * numStackedObservations];
         }
 
-        bool IPicture.IsPicture => SensorRows.IsPicture(wrapped);
+        bool IRow.IsPicture => SensorRows.IsPicture(wrapped);
 
         /// <inheritdoc/>
         public override int Write(ObservationWriter writer)
         {
-            local.SetTarget(numbers[now], wrapped);
-            wrapped.Write(local);
-            for (var i = 0; i < count; i++) writer.AddList(numbers[(now + 1 + i) % count], i * size);
-            return count * size;
+            Look();
+            var seen = GetStackedObservations();
+            writer.AddList(seen);
+            return seen.Count;
         }
 
-        void IPicture.Write(Span<byte> to)
+        void IRow.WriteRow(Span<byte> to)
         {
-            ((IPicture)wrapped).Write(pictures[now]);
-            for (var i = 0; i < count; i++) pictures[(now + 1 + i) % count].AsSpan().CopyTo(to.Slice(i * size));
+            Look();
+            rows.CopyTo(to);
         }
 
         /// <inheritdoc/>
         public override void Update()
         {
             wrapped.Update();
-            now = (now + 1) % count;
+            Array.Copy(rows, size, rows, 0, rows.Length - size);
         }
 
         /// <inheritdoc/>
         public override void Reset()
         {
             wrapped.Reset();
-            for (var i = 0; i < count; i++)
-            {
-                Array.Clear(numbers[i], 0, size);
-                Array.Clear(pictures[i], 0, size);
-            }
+            Array.Clear(rows, 0, rows.Length);
         }
 
         /// <summary>Destroys the textures of its sensor.</summary>
@@ -77,21 +64,24 @@ namespace NetMQExample.MLAgents.Sensors
             stacks > 1 ? new StackingSensor(sensor, stacks) : sensor;
 
         // As they were sent last.
-        internal ReadOnlyCollection<float> GetStackedObservations()
+        internal ReadOnlyCollection<float> GetStackedObservations() => Array.AsReadOnly(SensorRows.IsPicture(wrapped)
+            ? Array.ConvertAll(rows, one => one / 255f) : MemoryMarshal.Cast<byte, float>(rows).ToArray());
+
+        private void Look()
         {
-            var all = new List<float>(count * size);
-            for (var i = 0; i < count; i++) all.AddRange(numbers[(now + 1 + i) % count]);
-            return all.AsReadOnly();
+            var last = rows.AsSpan(rows.Length - size);
+            if (wrapped is IRow row) row.WriteRow(last);
+            else writer.BytesOf(wrapped).CopyTo(last);
         }
 
         private static ObservationSpec Stacked(ISensor one, int count)
         {
             var spec = one.GetObservationSpec();
+            if (spec.Rank != 1 && spec.Rank != 3)
+                throw new UnityAgentsException($"{one.GetName()} cannot be stacked: only vectors and pictures can");
             var shape = (int[])spec.Shape.Clone();
             shape[0] *= count;
-            return shape.Length == 1 || shape.Length == 3
-                ? new ObservationSpec(shape, spec.DimensionProperties, spec.ObservationType)
-                : throw new UnityAgentsException($"{one.GetName()} cannot be stacked: only vectors and pictures can");
+            return new ObservationSpec(shape, spec.DimensionProperties, spec.ObservationType);
         }
     }
 }

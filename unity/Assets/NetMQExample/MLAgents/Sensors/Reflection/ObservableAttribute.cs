@@ -15,11 +15,8 @@ namespace NetMQExample.MLAgents.Sensors.Reflection
     public class ObservableAttribute : Attribute
     {
         /// <summary>With the name of its sensor, and how many observations go together.</summary>
-        public ObservableAttribute(string name = null, int numStackedObservations = 1)
-        {
-            Name = name;
-            Stacks = numStackedObservations;
-        }
+        public ObservableAttribute(string name = null, int numStackedObservations = 1) =>
+            (Name, Stacks) = (name, numStackedObservations);
 
         internal string Name { get; }
 
@@ -38,35 +35,33 @@ namespace NetMQExample.MLAgents.Sensors.Reflection
         public static IEnumerable<ISensor> Of(object agent, bool ownOnly)
         {
             var which = ownOnly ? Any | BindingFlags.DeclaredOnly : Any;
-            foreach (var field in agent.GetType().GetFields(which))
-                if (Of(field, field.FieldType, () => field.GetValue(agent)) is ISensor sensor) yield return sensor;
-            foreach (var property in agent.GetType().GetProperties(which))
-                if (Of(property, property.PropertyType, () => property.GetValue(agent)) is ISensor sensor)
-                    yield return sensor;
+            var type = agent.GetType();
+            var fields = type.GetFields(which).Select(one => Of(one, one.FieldType, true, () => one.GetValue(agent)));
+            var properties = type.GetProperties(which)
+                .Select(one => Of(one, one.PropertyType, one.CanRead, () => one.GetValue(agent)));
+            return fields.Concat(properties).Where(sensor => sensor != null);
         }
 
         public override int Write(ObservationWriter writer)
         {
             var numbers = Numbers(read());
-            for (var i = 0; i < numbers.Length; i++)
-                writer[i] = UnityAgentsException.Finite(numbers[i], GetName());
+            foreach (var number in numbers) UnityAgentsException.Finite(number, GetName());
+            writer.AddList(numbers);
             return numbers.Length;
         }
 
-        private static ISensor Of(MemberInfo member, Type type, Func<object> read)
+        private static ISensor Of(MemberInfo member, Type type, bool canRead, Func<object> read)
         {
             var asked = member.GetCustomAttribute<ObservableAttribute>();
             if (asked == null) return null;
             var place = $"{member.DeclaringType.Name}.{member.Name}";
-            var numbers = type.IsValueType ? Numbers(Activator.CreateInstance(type)) : null;
-            if (numbers == null || member is PropertyInfo property && !property.CanRead)
-            {
-                Debug.LogError($"[Observable] {place} cannot be seen: give it a getter, and one of the types int, "
-                    + "bool, float, Vector2, Vector3, Vector4, Quaternion or an enum");
-                return null;
-            }
             var name = string.IsNullOrEmpty(asked.Name) ? $"ObservableAttribute:{place}" : asked.Name;
-            return StackingSensor.Of(new ObservableSensor(name, numbers.Length, read), asked.Stacks);
+            var numbers = canRead && type.IsValueType ? Numbers(Activator.CreateInstance(type)) : null;
+            if (numbers != null)
+                return StackingSensor.Of(new ObservableSensor(name, numbers.Length, read), asked.Stacks);
+            Debug.LogError($"[Observable] {place} cannot be seen: give it a getter, and one of the types int, "
+                + "bool, float, Vector2, Vector3, Vector4, Quaternion or an enum");
+            return null;
         }
 
         private static float[] Numbers(object value) => value switch
@@ -74,13 +69,9 @@ namespace NetMQExample.MLAgents.Sensors.Reflection
             int number => new float[] { number },
             bool flag => new float[] { flag ? 1 : 0 },
             float number => new[] { number },
-            Vector2 v => new[] { v.x, v.y },
-            Vector3 v => new[] { v.x, v.y, v.z },
-            Vector4 v => new[] { v.x, v.y, v.z, v.w },
-            Quaternion q => new[] { q.x, q.y, q.z, q.w },
             Enum choice =>
                 Enum.GetValues(choice.GetType()).Cast<Enum>().Select(one => Has(choice, one) ? 1f : 0).ToArray(),
-            _ => null,
+            _ => UnityValues.Numbers(value) as float[],
         };
 
         private static bool Has(Enum choice, Enum one) =>
