@@ -347,7 +347,7 @@ def test_a_project_moves_in_as_the_page_says(tmp_path, start, console, netmq):
     (tmp_path / "Behavior.cs").write_text(BEHAVIOR, encoding="utf-8")
     python = start(PYTHON, tmp_path / "loop.py", PYTHONPATH=str(ROOT / "python"))
     files = [tmp_path / "Behavior.cs", root / "Assets" / "Chaser.cs"]
-    words = ["--target", "Target", "--mlagents-port", f"{port}"]
+    words = ["--target", "Target", "--add", "DecisionRequester", "--mlagents-port", f"{port}"]
     player = start(PYTHON, ROOT / "kit.py", "play", *files, *words)
     assert python.wait(2 * LIMIT) == 0, python.output + player.output
     assert player.wait() == 0, player.output

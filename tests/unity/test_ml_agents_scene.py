@@ -79,6 +79,21 @@ def test_childrens_sensors_are_left_out_where_the_inspector_says_so(world):
     run.told()
 
 
+@pytest.mark.parametrize(
+    ("mistake", "why"),
+    [
+        ("sensors=Broken", "CreateSensors of Broken on Broken has failed: no eye"),
+        ("branches=2x0", "Branch Sizes in its Behavior Parameters has 0 at branch 1: give each branch a choice"),
+    ],
+)
+def test_an_agent_that_cannot_begin_says_why_and_the_others_go_on(mistake, why, world):
+    run = world(f"A period=1 max=1 {mistake}", "B period=1")
+    run.reset()
+    assert [row.what for row in run.step()] == ["wants"]
+    assert not [line for line in run.told() if line.startswith("A act") or line.startswith("A see")]
+    assert f"A stands still: {why}" in run.program.output
+
+
 def test_two_sensors_of_one_name_are_named_in_a_line(world):
     run = world("A period=1 sensors=Zoo+Zoo")
     run.reset()

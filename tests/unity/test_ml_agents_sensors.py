@@ -377,6 +377,8 @@ def test_scenes_of_three_eras_keep_their_values(play: Callable[..., Program], tm
 
 # A ball falls from 10 m by 8 m/s², a step each half second, through a gate around 4 m to two floors around -13 m.
 TOUCHED = """
+Early wakes
+Late wakes
 Early
 Late
 ball: gate enters

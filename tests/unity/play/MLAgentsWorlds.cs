@@ -109,15 +109,21 @@ namespace MLAgentsWorlds
         private static string[] Words(string text, char between) =>
             text.Split(new[] { between }, StringSplitOptions.RemoveEmptyEntries);
 
-        // Such as Zoo, below the agent, and -Zoo, which is switched off.
+        // Such as Zoo, below the agent, and -Zoo, which is switched off; Broken throws.
         private static void AddSensor(GameObject agent, string sensor)
         {
             var child = new GameObject(sensor.TrimStart('-'));
             child.transform.SetParent(agent.transform, false);
+            if (sensor == nameof(Broken)) child.AddComponent<Broken>();
             var made = child.AddComponent<VectorSensorComponent>();
             made.SensorName = child.name;
             made.ObservationSize = 2;
             child.SetActive(sensor[0] != '-');
+        }
+
+        private sealed class Broken : NetMQExample.MLAgents.Sensors.SensorComponent
+        {
+            public override ISensor[] CreateSensors() => throw new InvalidOperationException("no eye");
         }
 
         private static void WaitFor(int port)

@@ -292,6 +292,7 @@ namespace MlTest
             var copy = ant.BrainParameters.Clone();
             copy.ActionSpec.BranchSizes[0] = 5;
             Console.WriteLine(ant.BrainParameters.ActionSpec.BranchSizes[0]);
+            ant.InferenceDevice = InferenceDevice.Burst;
             var recorder = ant.gameObject.AddComponent<DemonstrationRecorder>();
             recorder.Record = true;
         }

@@ -27,8 +27,11 @@ namespace NetMQExample.PlayTest
                 gate.AddComponent<Touched>();
                 Thing(PrimitiveType.Cube, "floor", -13, new Vector3(9, 9, 9)).AddComponent<Touched>();
                 Thing(PrimitiveType.Cube, "other", -13, new Vector3(9, 9, 9));
-                ball.gameObject.AddComponent<Late>();
-                ball.gameObject.AddComponent<Early>();
+                var asleep = new GameObject("asleep");
+                asleep.SetActive(false);
+                asleep.AddComponent<Late>();
+                asleep.AddComponent<Early>();
+                asleep.SetActive(true);
             });
             for (var frame = 0; frame < 5; frame++)
             {
@@ -76,6 +79,8 @@ namespace NetMQExample.PlayTest
         private class Early : MonoBehaviour
         {
             private bool said;
+
+            private void Awake() => Console.WriteLine($"{GetType().Name} wakes");
 
             private void FixedUpdate()
             {

@@ -37,7 +37,7 @@ namespace NetMQExample.MLAgents.Sensors
         public void Add(Quaternion quat, int writeOffset = 0) =>
             Add(new Vector4(quat.x, quat.y, quat.z, quat.w), writeOffset);
 
-        // What a sensor writes, until the next one does.
+        // Its numbers are good until the next sensor writes.
         internal ReadOnlySpan<byte> BytesOf(ISensor sensor)
         {
             var shape = sensor.GetObservationSpec().Shape;
