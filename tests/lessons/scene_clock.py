@@ -242,5 +242,5 @@ class ArenaSimulator(SimulatorBase):
 
 
 if __name__ == "__main__":
-    walkers = [Walker("Ball", length=7), Walker("Ball"), Walker("Goal", team=1, floats=1, branches=(3, 2), period=2)]
+    walkers = [Walker("Ball", length=7), Walker("Ball"), Walker("Goal", team=1, floats=1, branches=(3, 2))]
     EnvironmentClient(sys.argv[sys.argv.index("--endpoint") + 1], timeout=10).run(ArenaSimulator(Arena(*walkers)))

@@ -363,8 +363,8 @@ HELLOS = {
     "bad-kind: a kind of agents is a dict, not 5": hello_with(None, 5),
     "wrong-name: this environment is CartPole, the simulator's is 'Car'": hello_with(name="Car"),
     "wrong-type: 'dt' must be float": hello_with(dt="fast"),
-    "old-record: the simulator speaks record 1, this environment 2: update": hello_with(record=1),
-    "scene-clock: this scene steps by its own clock": hello_with(clock="scene"),
+    "old-record: the simulator speaks record 1 by the clock 'python', this environment 2 by": hello_with(record=1),
+    "old-record: the simulator speaks record 2 by the clock 'sundial'": hello_with(clock="sundial"),
     "no-spaces: a hello of CartPole has one array": Message("hello", 0, {**hello_with().values}),
     "no-agents: CartPole has no agents: put one": Message(
         "hello", 0, hello_with().values, [trees.array_of(trees.write({"kinds": []}))]

@@ -427,6 +427,24 @@ def test_another_simulator_goes_on_with_the_same_behaviors(monkeypatch):
         env.close()
 
 
+def test_a_reset_without_an_answer_does_not_wait_twice(arena, monkeypatch):
+    env = arena(Walker("Ball"))
+    env._simulators.wait = env._simulators.connection.timeout = 1.5
+    may_go_on, waits = threading.Event(), []
+    env.arena.reset = lambda options: may_go_on.wait(LIMIT) and ([], [])
+
+    def wait(limit, accept, ended):
+        waits.append(limit)
+        raise TimeoutError("nobody came")
+
+    monkeypatch.setattr(env._simulators.connection, "wait", wait)
+    with pytest.raises(UnityTimeOutException, match="nobody came"):
+        env.reset()
+    may_go_on.set()
+    # A second answer is awaited for no longer than it takes to say hello.
+    assert waits == [1]
+
+
 def test_what_is_pythons_alone_is_refused_by_the_scenes_clock(arena):
     with pytest.raises(UnityEnvironmentException, match=r"max_episode_steps and spaces are for Python's clock: its"):
         arena(Walker("Ball"), max_episode_steps=5)
@@ -799,7 +817,7 @@ def test_a_simulator_of_another_release_is_named(connected):
             hello.values["record"] = 1
             return hello
 
-    with pytest.raises(UnityEnvironmentException, match="the simulator is of another release"):
+    with pytest.raises(UnityEnvironmentException, match=r"^old-record: the simulator speaks record 1"):
         connected(Older(Arena(Walker("Ball"))))
 
 

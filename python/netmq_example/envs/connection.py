@@ -30,7 +30,11 @@ RESEND_SECONDS = 1.0
 # The answers to requests in words; other kinds of messages are ignored.
 ANSWERS = {"render": "picture", "info": "told", "close": "closed"}
 
-Accept = Callable[[Message], None]
+# Python decides when time passes, or the scene itself.
+CLOCKS = ("python", "scene")
+
+# It may return what is to be done once the simulator is welcomed.
+Accept = Callable[[Message], Callable[[], None] | None]
 
 
 class Connection(OneProcess):
@@ -61,7 +65,8 @@ class Connection(OneProcess):
             if why := ended():
                 raise Timeout(why)
             if time.monotonic() > end:
-                raise Timeout(f"no simulator came to {self.endpoint} within {limit:g} s; {self.other_side.state}")
+                within = f"within {round(limit, 1):g} s"
+                raise Timeout(f"no simulator came to {self.endpoint} {within}; {self.other_side.state}")
 
     def is_welcomed(self, accept: Accept) -> bool:
         """Whether the next message was the hello of a simulator, which then is the peer."""
@@ -76,13 +81,16 @@ class Connection(OneProcess):
             self.refuse(peer, MessageError("unknown-peer", "say hello again"))
             return False
         try:
-            accept(hello)
+            check_release(hello)
+            then = accept(hello)
         except MessageError as error:
             self.refuse(peer, error)
             raise
         # One that has said hello and is gone already is none.
         if self.send(peer, Message("welcome", hello.id).frames()):
             self.peer = peer
+            if then:
+                then()
         return bool(self.peer)
 
     def ask(self, request: Any) -> Any:
@@ -143,6 +151,14 @@ class Connection(OneProcess):
         except zmq.ZMQError as error:
             return error.errno == zmq.EAGAIN
         return True
+
+
+def check_release(hello: Message) -> None:
+    record, clock = hello.values.get("record", 1), hello.values.get("clock", "python")
+    if record != records.RECORD or clock not in CLOCKS:
+        theirs = f"the simulator speaks record {record!a:.20} by the clock {clock!a:.20}"
+        ours = f"this environment {records.RECORD} by {' or '.join(CLOCKS)}"
+        raise MessageError("old-record", f"{theirs}, {ours}: update the one that is older")
 
 
 def name_of(request: Any) -> str:

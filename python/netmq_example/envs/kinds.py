@@ -16,7 +16,7 @@ from gymnasium.spaces import Space
 
 from netmq_example.messages import Message, MessageError, take
 from netmq_example.wire import trees
-from netmq_example.wire.records import NOTHING, RECORD, Section
+from netmq_example.wire.records import NOTHING, Section
 from netmq_example.wire.sections import seeds
 from netmq_example.wire.spaces import space_of
 
@@ -78,18 +78,9 @@ class SceneHello:
 
 def read_hello(hello: Message, name: str) -> SceneHello:
     """The scene of this name; MessageError says why its hello is refused."""
-    found = take(hello.values, "name", str)
-    if found != name:
-        raise MessageError("wrong-name", f"this environment is {name}, the simulator's is {found!a:.40}")
-    record = hello.values.get("record", 1)
-    if record != RECORD:
-        cure = "update the one that is older"
-        raise MessageError(
-            "old-record", f"the simulator speaks record {record!a:.20}, this environment {RECORD}: {cure}"
-        )
-    if hello.values.get("clock", "python") != "python":
-        cure = "take UnityEnvironment of netmq_example.mlagents_envs.environment"
-        raise MessageError("scene-clock", f"this scene steps by its own clock, as ML-Agents' do: {cure}")
+    named(hello, name)
+    if hello.values.get("clock") == "scene":
+        raise MessageError("other-clock", "the simulator before this one had Python's clock: start that again")
     if len(hello.arrays) != 1:
         raise MessageError("no-spaces", f"a hello of {name} has one array, which describes its agents")
     described = trees.read(hello.arrays[0].data)
@@ -99,7 +90,7 @@ def read_hello(hello: Message, name: str) -> SceneHello:
     for one in described["kinds"]:
         first = kinds[-1].first + len(kinds[-1].agents) if kinds else 0
         kinds.append(read_kind(len(kinds), first, one))
-    scene = SceneHello(found, take(hello.values, "dt", float), tuple(kinds), hello.values.get("channels") is True)
+    scene = SceneHello(name, take(hello.values, "dt", float), tuple(kinds), hello.values.get("channels") is True)
     names = scene.agents
     if not names:
         raise MessageError("no-agents", f"{name} has no agents: put one into the scene")
@@ -107,6 +98,13 @@ def read_hello(hello: Message, name: str) -> SceneHello:
         twice = next(agent for agent in names if names.count(agent) > 1)
         raise MessageError("two-agents", f"two agents are named {twice!a:.40}: each needs a name of its own")
     return scene
+
+
+def named(hello: Message, name: str) -> None:
+    """MessageError: it is another scene."""
+    found = take(hello.values, "name", str)
+    if found != name:
+        raise MessageError("wrong-name", f"this environment is {name}, the simulator's is {found!a:.40}")
 
 
 def read_kind(at: int, first: int, described: Any) -> Kind:

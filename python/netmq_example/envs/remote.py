@@ -9,6 +9,7 @@ All environments of this package ask by it. It needs gymnasium and numpy.
 """
 
 import contextlib
+import importlib
 import os
 import time
 from collections.abc import Callable
@@ -18,7 +19,7 @@ import numpy as np
 
 from netmq_example import arguments, check
 from netmq_example.envs.common import LONGEST_OPTIONS, checked_options
-from netmq_example.envs.kinds import SceneHello, read_hello, same_scene
+from netmq_example.envs.kinds import SceneHello, named, read_hello, same_scene
 from netmq_example.envs.simulators import Simulators
 from netmq_example.errors import Lost
 from netmq_example.messages import EXACT, Message, MessageError
@@ -61,12 +62,24 @@ class Remote:
                 raise ValueError(f"file_name takes the path of a game, not {file_name!r:.40}")
             where = {"launch": file_name, **where}
         self.simulators = Simulators(**where)
+        # Of a scene by its own clock.
+        self.decisions: Any = None
         if real_time and self.simulators.fleet:
             raise ValueError("real_time takes one simulator: those of a fleet are asked anew, and so have no clock")
 
-    def accept(self, hello: Message) -> None:
-        """Take a simulator; MessageError says why it is refused."""
-        scene = same_scene(read_hello(hello, self.name), self.scene)
+    def accept(self, hello: Message) -> Callable[[], None] | None:
+        """Take a simulator; MessageError says why it is refused. A scene by its own clock is asked for its agents."""
+        if hello.values.get("clock") == "scene" and (self.decisions or not self.scene):
+            named(hello, self.name)
+            self.decisions = self.decisions or decisions_of(self.simulators)
+            return lambda: self.take(self.decisions.begin(hello))
+        if self.decisions:
+            raise MessageError("other-clock", "the simulator before this one had the scene's clock: start that again")
+        self.take(read_hello(hello, self.name))
+        return None
+
+    def take(self, scene: SceneHello) -> None:
+        scene = same_scene(scene, self.scene)
         try:
             self.use(scene)
         except MessageError:
@@ -122,6 +135,15 @@ class Remote:
             if array.dtype != "uint8" or array.shape[2:] != (3,):
                 raise MessageError("bad-picture", f"{array.dtype} {array.shape!s:.60} is not uint8 [height, width, 3]")
         return [array.numpy().copy() for array in arrays]
+
+
+def decisions_of(simulators: Simulators) -> Any:
+    """By name: a copy of a lesson goes without."""
+    try:
+        return importlib.import_module("netmq_example.envs.decisions").Decisions(simulators)
+    except ModuleNotFoundError as error:
+        why = f"a scene that steps by its own clock needs {error.name}, which this copy lacks"
+        raise MessageError("scene-clock", why) from None
 
 
 def options_as_bytes(options: Any) -> bytes:

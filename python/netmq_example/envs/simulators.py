@@ -11,6 +11,7 @@ only pyzmq.
 
 import os
 import subprocess
+import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -84,7 +85,7 @@ class Simulators:
             raise
         return close_once
 
-    def find(self, accept: Accept) -> None:
+    def find(self, accept: Accept, wait: float | None = None) -> None:
         endpoint = self.connection.endpoint
         if self.launch:
             # One that was lost may still be there, and hang.
@@ -92,7 +93,7 @@ class Simulators:
             self.process = start_program([*self.launch, "--endpoint", endpoint], self.views)
         else:
             say_waiting(endpoint, self.connection.other_side.how_to_start)
-        self.connection.wait(self.wait, accept, lambda: why_ended(self.process))
+        self.connection.wait(self.wait if wait is None else wait, accept, lambda: why_ended(self.process))
         QUIET.pop(endpoint, None)
 
     def begin(self, accept: Accept, ask: Callable[[Lost | None], Any]) -> Any:
@@ -102,18 +103,19 @@ class Simulators:
         that after three it is over.
         """
         lost = None
+        end = time.monotonic() + self.wait
         for _ in range(2):
             try:
                 return ask(lost)
             except Lost as why:
                 lost = why
-                self.find_after(lost, accept)
+                self.find_after(lost, accept, end)
         return ask(lost)
 
-    def find_after(self, lost: Lost, accept: Accept) -> None:
-        """Timeout says as well why the one before was lost."""
+    def find_after(self, lost: Lost, accept: Accept, end: float) -> None:
+        """Timeout says as well why the one before was lost. One that is launched now has all of its time."""
         try:
-            self.find(accept)
+            self.find(accept, None if self.launch else max(min(1.0, self.wait), end - time.monotonic()))
         except Timeout as error:
             raise Timeout(f"{error}; the one before is lost: {lost}") from None
 
