@@ -98,8 +98,9 @@ def lock(root: Path) -> dict[str, Any]:
 
 def outdated(root: Path) -> set[str]:
     """The packages that the project does not name any more, before Unity has written its lock anew."""
-    named = {name for name, entry in lock(root).items() if entry.get("depth") == 0 and entry.get("source") != "embedded"}
-    return named - dependencies(root).keys()
+    named = {name for name, entry in lock(root).items() if entry.get("depth") == 0}
+    embedded = {package_name(folder) for folder in package_folders(root)}
+    return named - dependencies(root).keys() - embedded
 
 
 def leaving_with(root: Path, names: Set[str], kept: Set[str] = frozenset()) -> set[str]:

@@ -48,9 +48,9 @@ def left_behind(root: Path, files: list[str], scripts: dict[str, str]) -> Iterat
     libraries = [one for one in FACTS["libraries"]["names"].split() if f"{one}.dll" not in own]
     used = re.compile(rf"(?<![\w.])(?:{'|'.join(map(re.escape, libraries)) or '(?!)'})\b")
     for name, code in scripts.items():
-        if found := used.search(code):
-            line = code.count("\n", 0, found.start()) + 1
-            yield f"{name}:{line}: {found[0]} came with ML-Agents: bring its DLL, or delete what uses it"
+        if use := used.search(code):
+            line = code.count("\n", 0, use.start()) + 1
+            yield f"{name}:{line}: {use[0]} came with ML-Agents: bring its DLL, or delete what uses it"
     metas = [(root / name).read_bytes() for name in files if name.endswith((".nn.meta", ".onnx.meta", ".sentis.meta"))]
     models = [found[1] for meta in metas if (found := re.search(rb"^guid: (\w{32})", meta, re.MULTILINE))]
     reference = re.compile(rb"guid: (?:%s)\b" % (b"|".join(models) or b"(?!)"))

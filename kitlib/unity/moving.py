@@ -180,8 +180,8 @@ def move_in(project: Path, yes: bool, force: bool, scripts_only: bool, dlls: Pat
         say(f"left for you: {line}")
     if not yes and plan.lines:
         refusal = plan.refusal()
-        then = f"--yes will refuse: {refusal}" if refusal else "commit the project, then add --yes; --undo takes it back"
-        say(f"nothing was changed yet: {then}")
+        then = "commit the project, then add --yes; --undo takes it back"
+        say(f"nothing was changed yet: {f'--yes will refuse: {refusal}' if refusal else then}")
 
 
 def undo(project: Path, force: bool) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from kitlib.lessons import PACKAGE, KitError, read_json
-from kitlib.unity.inventory import TARGET, dependencies, imported, package_folders, package_name, unity_version
+from kitlib.unity.inventory import TARGET, dependencies, imported, package_folders, package_name
 
 # The Unity that all of the package is made for.
 OLDEST = (2022, 3)

@@ -490,7 +490,8 @@ def test_dlls_that_packages_bring_are_deleted_by_the_run_after_the_import(move, 
     assert mine.exists()
     # Its lock still has ML-Agents, which has brought one of them: that one stays.
     old = {"com.unity.ml-agents": {"version": "2.0.1", "depth": 0, "dependencies": {"com.unity.burst": "1"}}}
-    put(project, {"Packages/packages-lock.json": json.dumps({"dependencies": {**old, "com.unity.burst": {"depth": 1}}})})
+    old |= {"com.unity.burst": {"depth": 1}}
+    put(project, {"Packages/packages-lock.json": json.dumps({"dependencies": old})})
     put(project, {f"Library/PackageCache/com.unity.burst@1/{unsafe}{end}": b"MZ" for end in ("", ".meta")})
     move()
     assert mine.exists()
