@@ -12,7 +12,8 @@ NAMES = """
     tree vector messages environment connection game infos spaces fit merge program keys check errors camera jobs
     journal people simulation simulator agents areas trainers workers netmq_example
 """
-# Every program with --help, as if it were started by itself, and then every module; printed is what came of each.
+# Every program with --help, as if it were started by itself, and then every module, if there is one root; printed is
+# what came of each.
 EACH = """
 import contextlib, importlib, io, json, pathlib, runpy, sys
 
@@ -27,11 +28,11 @@ def came_of(act):
         return repr(error)
     return "fine"
 
-root, outcomes = pathlib.Path(sys.argv[1]), {}
+roots, outcomes = [pathlib.Path(word) for word in sys.argv[1:]], {}
 # With PYTHONSAFEPATH Python does not look for modules beside a program.
 safe = sys.flags.safe_path
 others = sys.path[:] if safe else sys.path[1:]
-for program in sorted(root.glob("[0-9]*/*.py")):
+for program in sorted(path for root in roots for path in root.glob("[0-9]*/*.py")):
     if "__main__" in (text := program.read_text(encoding="utf-8")):
         sys.path[:] = others if safe else [str(program.parent), *others]
         sys.argv[:] = [str(program), "--help"]
@@ -42,18 +43,19 @@ for program in sorted(root.glob("[0-9]*/*.py")):
         for name in list(sys.modules):
             if name.split(".")[0] == "netmq_example" or (program.parent / f"{name}.py").exists():
                 del sys.modules[name]
-sys.path[:] = [str(root), *others]
-for module in sorted(root.glob("netmq_example/**/*.py")):
-    name = ".".join(module.relative_to(root).with_suffix("").parts)
-    outcomes[name] = came_of(lambda: importlib.import_module(name))
+if len(roots) == 1:
+    sys.path[:] = [str(roots[0]), *others]
+    for module in sorted(roots[0].glob("netmq_example/**/*.py")):
+        name = ".".join(module.relative_to(roots[0]).with_suffix("").parts)
+        outcomes[name] = came_of(lambda: importlib.import_module(name))
 print(json.dumps(outcomes))
 """
 
 
-def outcomes(folder, root=ROOT / "python", **environment):
-    """The end of each program and module of that root, started in this folder."""
+def outcomes(folder, *roots, **environment):
+    """The end of each program and module of these roots, started in this folder."""
     (folder / "each.py").write_text(EACH, encoding="utf-8")
-    done = finished([PYTHON, "each.py", root], cwd=folder, env={**os.environ, **environment})
+    done = finished([PYTHON, "each.py", *(roots or [ROOT / "python"])], cwd=folder, env={**os.environ, **environment})
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 

@@ -1,6 +1,5 @@
 """kit.py as a person meets it: on a copy of the repository, as a process, on machines with and without things."""
 
-import errno
 import importlib
 import json
 import os
@@ -327,68 +326,6 @@ def test_a_venv_without_pip_is_filled_by_the_pip_outside_whatever_its_settings(m
     assert not (tmp_path / "elsewhere").exists()
 
 
-NOT_FOUND = Result(1, "ERROR: No matching distribution found")
-
-
-@pytest.mark.parametrize(
-    ("settings", "result", "said"),
-    [
-        ({}, NOT_FOUND, "pip did not get all of it from https://pypi.org/simple"),
-        (
-            {"PIP_INDEX_URL": "http://me:secret@127.0.0.1:9/simple"},
-            NOT_FOUND,
-            "pip did not get all of it from index-url='http://127.0.0.1:9/simple'",
-        ),
-        (
-            {"PIP_PREFIX": "/elsewhere", "PIP_CONFIG_FILE": "pip.conf"},
-            Result(0, ""),
-            "pip's setting prefix='/there' fills another folder than .venv: drop it; pip config debug shows its file",
-        ),
-        # Pip takes for whole what has lost a file.
-        ({}, Result(0, ""), "pyzmq in .venv cannot be imported: delete the folder {venv} and run this again"),
-        (
-            {},
-            Result(1, "[Errno 13] Permission denied: '{tmp}/not/there'"),
-            "{tmp}, which belongs to {owner}, cannot be",
-        ),
-    ],
-)
-@pytest.mark.skipif(os.name == "nt", reason="Windows does not say whose a file is")
-def test_why_pip_did_not_fill_the_venv_is_said(settings, result, said, monkeypatch, tmp_path, capsys):
-    for name in [name for name in os.environ if name.startswith("PIP_")]:
-        monkeypatch.delenv(name)
-    (tmp_path / "pip.conf").write_text("[global]\nno-user = true\nprefix = /there\n", encoding="utf-8")
-    monkeypatch.chdir(tmp_path)
-    for name, value in {"PIP_CONFIG_FILE": os.devnull, **settings}.items():
-        monkeypatch.setenv(name, value)
-    monkeypatch.setattr(python_setup, "VENV", tmp_path / ".venv")
-    monkeypatch.setattr(python_setup, "make_venv", lambda: True)
-    monkeypatch.setattr(python_setup, "alone", lambda _: [PYTHON])
-    monkeypatch.setattr(python_setup, "lacking", lambda *_: ["pyzmq"])
-    found = Result(result.code, result.output.replace("{tmp}", str(tmp_path)))
-    monkeypatch.setattr(python_setup, "install", lambda *_: found)
-    assert python_setup.from_pip(["pyzmq"], ["pyzmq"]) is None
-    words = said.format(venv=tmp_path / ".venv", tmp=tmp_path, owner=tmp_path.owner())
-    assert capsys.readouterr().out.startswith(f"kit    | {words}")
-    # A file in its place cannot be started.
-    (tmp_path / ".venv").write_text("no folder", encoding="utf-8")
-    with pytest.raises(KitError, match=r"cannot be started: delete \S+ and run this again$"):
-        python_setup.from_pip(["pyzmq>=1"], ["pyzmq>=1"])
-
-
-@pytest.mark.skipif(os.name == "nt", reason="Windows has other names, and asks before it makes a link")
-@pytest.mark.parametrize("python", ["Scripts/python.exe", "python.exe"])
-def test_a_venv_that_is_not_ours_stays(python, monkeypatch, tmp_path, capsys):
-    """Of WSL or Windows in the same folder, or conda's: this system has no interpreter in it."""
-    there = tmp_path / ".venv" / python
-    monkeypatch.setattr(python_setup, "VENV", tmp_path / ".venv")
-    there.parent.mkdir(parents=True)
-    there.symlink_to("nowhere")
-    assert python_setup.from_pip(["pyzmq"], ["pyzmq"]) is None
-    assert there.is_symlink()
-    assert "stays: copy the kit" in capsys.readouterr().out
-
-
 def test_a_foreign_package_does_not_hide_those_of_the_venv(prepared, tmp_path, start):
     """On PYTHONPATH, as ROS sets it, and in the folder one is in."""
     if not (prepared / ".venv").exists():
@@ -416,29 +353,6 @@ def test_output_that_cannot_be_written_ends_nothing(streams, said):
     done = finished(["sh", "-c", f"exec '{PYTHON}' '{KIT}' {words} {streams}"])
     assert (done.returncode, done.stdout) == (0, "")
     assert (said in done.stderr) and "Traceback" not in done.stderr
-
-
-@pytest.mark.parametrize(
-    ("output", "restore", "build"),
-    [
-        ("x.csproj : error MSB4025: No project.", "error MSB4025: No project.; is the SDK whole?", "(x.csproj : error"),
-        (
-            "Unhandled exception: System.Exception: denied\n   at Main()",
-            "System.Exception: denied;",
-            "Exception: denied)",
-        ),
-        ("error MSB3491: Access to the path '{}' is denied.", "{} cannot be written", "{} cannot be written"),
-        ("x(1,1): error MSB3021: Unable to copy. No space left on device", "No space left", "the disk is full: "),
-    ],
-)
-def test_a_failure_of_dotnet_is_said_in_one_line(output, restore, build, tmp_path):
-    """A restore's is no refusal. As after `sudo`, what is not there yet would be in a folder of somebody else's."""
-    output = output.format(tmp_path / "not" / "there.tmp")
-    owner = f"{tmp_path}, which belongs to {tmp_path.owner()}," if os.name != "nt" else str(tmp_path)
-    with pytest.raises(KitError, match=re.escape(restore.format(owner))):
-        dotnet.refusal(Result(1, f"first\n{output}"))
-    said = dotnet.failure(Result(1, f"first\n{output}"))
-    assert build.format(owner) in said and "\n" not in said
 
 
 @pytest.mark.parametrize(
@@ -647,24 +561,6 @@ def test_in_a_pipe_the_output_is_utf_8_on_every_system(start):
     assert "there is no lesson grüße…;" in program.output
 
 
-def test_a_backslash_in_an_option_is_part_of_a_path_on_windows(monkeypatch):
-    words = r"""--journal C:\Users\me\x.sqlite3 --name "C:\My Game" --send 'add 1'"""
-    monkeypatch.setattr(lessons, "WINDOWS", True)
-    split = runner.split(words, "--server")
-    assert split == ["--journal", r"C:\Users\me\x.sqlite3", "--name", r"C:\My Game", "--send", "add 1"]
-    monkeypatch.setattr(lessons, "WINDOWS", False)
-    assert runner.split(r"--name My\ Game '#1'", "--server") == ["--name", "My Game", "#1"]
-
-
-def test_a_damaged_memory_is_as_good_as_none(tmp_path, monkeypatch):
-    monkeypatch.setattr(python_setup, "CHOICE", tmp_path / "python.json")
-    monkeypatch.setattr(python_setup, "from_pip", lambda *_: PYTHON)
-    for damage in (b"", b"\0\0\0", b"[1]", b'{"a": ', b'{"a": 1}', b"\xff\xfe"):
-        (tmp_path / "python.json").write_bytes(damage)
-        assert python_setup.interpreter() == PYTHON
-        assert PYTHON in map(Path, filter(None, map(str, lessons.read_json(tmp_path / "python.json").values())))
-
-
 def has_wheels():
     links = os.environ.get("PIP_FIND_LINKS", "")
     if not any(Path(links).glob("pyzmq-*.whl")):
@@ -712,32 +608,6 @@ def without_nuget(monkeypatch, tmp_path, code=0):
         monkeypatch.setattr(dotnet, name, value)
     monkeypatch.setattr(dotnet, "sdk", lambda: "10.0.100")
     monkeypatch.setattr(dotnet, "restore", lambda *_: Result(code, "error NU1301" * code))
-
-
-def test_that_nuget_has_netmq_is_asked_until_it_is_known(monkeypatch, tmp_path):
-    without_nuget(monkeypatch, tmp_path, 1)
-    with pytest.raises(KitError, match="NuGet cannot be reached"):
-        dotnet.find_netmq()
-    for code in (0, 1):
-        without_nuget(monkeypatch, tmp_path, code)
-        assert dotnet.find_netmq().folder == ""
-
-
-def test_a_port_that_nobody_gives_is_named_with_the_reason(monkeypatch):
-    # Somebody may have a lesson's server running meanwhile.
-    monkeypatch.setattr(doctor, "listeners", lambda port: [])
-
-    def refuse_with(number):
-        def bind(*_):
-            raise OSError(number, "no")
-
-        monkeypatch.setattr(socket.socket, "bind", bind)
-
-    refuse_with(errno.EACCES)
-    assert "the system reserves it (netsh " in doctor.not_free(lessons.find("1"))
-    refuse_with(errno.EADDRINUSE)
-    assert doctor.not_free(lessons.find("1")).startswith("taken; `")
-    assert doctor.not_free(lessons.find("4")).startswith("taken, perhaps by Android's emulator or adb; ")
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere a command is named that tells it")

@@ -4,10 +4,7 @@ import re
 
 import pytest
 
-from kitlib import lessons
 from kitlib.docs import guide
-from kitlib.terminal import command
-from kitlib.unity import install as unity_install
 from kitlib.unity import player
 from tests.conftest import PYTHON
 from tests.programs import ROOT
@@ -38,46 +35,6 @@ ITS_CLASS = """class Greeting : System.IDisposable
 }
 """
 
-# Says a line from its network thread, from Update, and from a task.
-THREADS = """using System.Threading;
-using System.Threading.Tasks;
-using NetMQExample;
-using UnityEngine;
-
-public class Threads : NetworkBehaviour
-{
-    private readonly Thread unity = Thread.CurrentThread;
-    private int heard;
-    private bool first = true;
-
-    protected override void Talk(CancellationToken stop)
-    {
-        InUpdate(Hear);
-        stop.WaitHandle.WaitOne();
-    }
-
-    protected override void Update()
-    {
-        if (first)
-        {
-            first = false;
-            // More than may wait for it.
-            for (var i = 0; i < 100; i++) InUpdate(Hear);
-            Log($"at once: {heard >= 100}");
-            Task.Run(() => InUpdate(Hear));
-        }
-        base.Update();
-        if (heard < 102) return;
-        Log("all");
-        Application.Quit();
-    }
-
-    private void Hear()
-    {
-        if (Thread.CurrentThread == unity) heard++;
-    }
-}
-"""
 
 # The first run asks for NetMQ and builds, and says so.
 SET_UP = ("kit    | asking NuGet", "kit    | building")
@@ -109,11 +66,6 @@ def test_scripts_of_ones_own_are_played(play, serve, tmp_path):
     assert lines[1] == "(1.00, -0.50, 0.00)"
     assert lines[2].startswith("error: expected Hello")
     assert play(*both, "--scale", "1,2") == (2, ["--scale: '1,2' is no Vector3"])
-
-
-def test_log_and_in_update_are_for_any_thread(play, tmp_path):
-    (tmp_path / "Threads.cs").write_text(THREADS, encoding="utf-8")
-    assert play("Threads.cs", "--seconds", "60", folder=tmp_path) == (0, ["at once: True", "all"])
 
 
 DEAF = """using System.Threading;
@@ -187,50 +139,6 @@ def test_a_client_for_several_scenes(play, serve, tmp_path):
     code, lines = play(*words, folder=tmp_path)
     assert code == 0
     assert sorted(lines) == ["heard world", "one game: True"]
-
-
-STREAM = """using NetMQExample;
-
-public class PoseFollower : {0}
-{{
-    private readonly {1} what;
-
-    protected override void Talk(System.Threading.CancellationToken stop) => Log($"talks {{what}}");
-
-    protected override void Update()
-    {{
-        base.Update();
-        if (UnityEngine.Time.frameCount == 100) UnityEngine.Application.Quit();
-    }}
-}}
-"""
-
-
-def test_a_script_of_a_unity_project_sees_what_that_project_has_of_the_kit(play, tmp_path):
-    """As in Unity: nothing of the lessons that are not there, and what its owner has changed in the others."""
-    game = tmp_path / "My Game"
-    (game / "Assets").mkdir(parents=True)
-    (game / "ProjectSettings").mkdir()
-    (game / "ProjectSettings" / "ProjectVersion.txt").write_text("m_EditorVersion: 6000.0.32f1\n")
-    # The kit has another one of this name.
-    script = game / "Assets" / "PoseFollower.cs"
-    script.write_text(STREAM.format("NetworkBehaviour", "PoseMessage"), encoding="utf-8")
-
-    def lacking(*names):
-        cure = f"`{command(*lessons.KIT.split(), 'unity', game, '--lesson', '7')}` copies what is missing"
-        code, (first, *errors, said) = play(script, "--seconds", "20")
-        assert (code, first) == (1, "kit    | your script does not compile:")
-        assert said == f"this project has no {', '.join(names)}: {cure}"
-        assert all("PoseFollower.cs(" in line for line in errors)
-
-    lacking("NetworkBehaviour", "PoseMessage")
-    unity_install.install(game, "3", scripts_only=True)
-    lacking("PoseMessage")
-    unity_install.install(game, "7", scripts_only=True)
-    changed = game / "Assets" / "NetMQExample" / "Shared" / "NetworkBehaviour.cs"
-    text = changed.read_text(encoding="utf-8")
-    changed.write_text(text.replace("Debug.Log(line)", 'Debug.Log($"ours: {line}")'), encoding="utf-8")
-    assert play(script, "--seconds", "20") == (0, ["ours: talks "])
 
 
 # An old example does this: its Stop waits for a thread that waits for a server. And what most first attempts do.

@@ -66,7 +66,7 @@ def test_a_high_watermark_is_that_of_the_socket(context):
 )
 def test_newest_only(kind, how, fake, start_client):
     """While the listener works on 1, the others arrive; it then takes the last of them."""
-    client = start_client(kind, KEY, where(fake), "--count", "2", "--every", "1", "--work", "5", how)
+    client = start_client(kind, KEY, where(fake), "--count", "2", "--every", "1", "--work", "3", how)
     assert fake.recv() == b"\x01pose/"
     fake.send(b"pose/ 1")
     client.wait_for("^received pose/ 1$")

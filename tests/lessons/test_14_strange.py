@@ -324,7 +324,7 @@ def test_what_a_strange_server_says_of_a_job_is_one_line(side, context, runs):
     with ExitStack() as stack:
         answers = [flood, *unreadable, *(replies for replies, _ in STRANGE)]
         servers = [stack.enter_context(wrong_server(context, replies)) for replies in answers]
-        few = [["--timeout", "1", "--tries", tries] for tries in ("2", "3", "3")]
+        few = [["--timeout", "0.5", "--tries", tries] for tries in ("2", "3", "3")]
         patience = [*few, *[["--timeout", "20"]] * len(STRANGE)]
         clients = [["--endpoint", *each] for each in zip(servers, patience, strict=True)]
         numbers = [("--count", "0"), ("--count", "99999999999"), ("--cancel-at", "99999999999")]

@@ -34,7 +34,7 @@ KEY = "16_web_gateway"
 FOLDER = ROOT / "python" / KEY
 # For a program that changes a number of the package before it runs server.py.
 PATH = os.pathsep.join([str(FOLDER), str(FOLDER.parent)])
-HELLO, BACKGROUND, POSES = "01_request_reply", "04_background_client", "03_publish_subscribe"
+HELLO, BACKGROUND = "01_request_reply", "04_background_client"
 # Nobody is there.
 ABSENT = [word for name in ("--hello", "--background", "--poses") for word in (name, "tcp://127.0.0.1:1")]
 each_kind = pytest.mark.parametrize("kind", CLIENTS)
@@ -379,9 +379,7 @@ def test_only_the_newest_of_a_topic(serve, context):
         in_browser(endpoint, talk, name="poses")
 
 
-def test_a_slow_browser_is_let_go_and_holds_up_nobody(gateway):
-    program, endpoint = gateway
-
+def test_a_slow_browser_is_let_go_and_holds_up_nobody(echo):
     async def talk(slow):
         slow._response.connection.protocol.pause_reading()
 
@@ -398,7 +396,9 @@ def test_a_slow_browser_is_let_go_and_holds_up_nobody(gateway):
         assert memory(program) - before < 64 * 1024, "what it does not take must not pile up"
         flooding.cancel()
 
-    in_browser(endpoint, talk)
+    soon = "from netmq_example.web import websocket; websocket.SLOW_SECONDS = 2"
+    with opened("--hello", echo, *ABSENT[2:], change=soon) as (program, endpoint):
+        in_browser(endpoint, talk)
 
 
 def memory(program):
@@ -455,8 +455,8 @@ EVENTS = [
     *((f'427[{json.dumps(name)},"Hello"]', {"error": NOBODY.format(name)}) for name in ("nobody", 7, "")),
     ('427["hello","Hello"]', "World"),
 ]
-# And after which a browser is let go: it says that it leaves, or speaks neither Socket.IO nor Engine.IO.
-TALKS = [([], ['42["disconnect"]', '422["hello","Hello"]']), (EVENTS, ["x"])]
+# And after which a browser is let go: it says that it leaves, by an event or by Engine.IO's own packet.
+TALKS = [([], ['42["disconnect"]', '422["hello","Hello"]']), (EVENTS, ["1"])]
 
 
 def test_events_and_packets_that_are_none_make_no_noise(gateway):

@@ -142,7 +142,7 @@ def test_a_recording_that_excel_has_saved_is_read(tmp_path):
 def test_the_newest_wins(kind, fake, start_client):
     """While the client works on 1 the others arrive; it takes the last of them, and counts the rest."""
     stream, endpoint = fake, where(fake)
-    client = start_client(kind, KEY, endpoint, "--count", "2", "--every", "1", "--work", "4", "--timeout", "60")
+    client = start_client(kind, KEY, endpoint, "--count", "2", "--every", "1", "--work", "3", "--timeout", "60")
     assert stream.recv() == b"\x01pose/0/"
     body = WALK[0][1][0]
     stream.send_string(message(1, body))

@@ -16,7 +16,6 @@ from typing import Any, ClassVar
 import pytest
 import zmq
 
-from kitlib.setup import dotnet
 from netmq_example.talk.ollama import ollama_talk
 from netmq_example.work import WorkError
 from tests.bad_peers import web_server
@@ -86,67 +85,6 @@ def test_a_server_that_is_started_again_has_no_half_answer(serve, start_client):
     for client in clients:
         assert client.wait() == 1, client.output
         assert any(line.endswith(f"gave up: {why}") for line in client.lines), client.output
-
-
-VISITOR = """using NetMQExample;
-using UnityEngine;
-
-// A game that asks for itself, from far away, comes near, asks something else in the middle, and walks away.
-public class Visitor : TalkingCharacter
-{
-    private readonly string[] questions = { "What is your name?", "Who are you?", "Who built this bridge?" };
-    private Transform eyes;
-    private int frames, asked;
-
-    protected override void Update()
-    {
-        if (eyes == null)
-        {
-            var player = new GameObject("player") { tag = "MainCamera" };
-            player.AddComponent<Camera>();
-            eyes = player.transform;
-            eyes.position = new Vector3(0, 0, 16);
-        }
-        base.Update();
-        if (++frames == 30)
-        {
-            Debug.Log("comes near");
-            eyes.position = new Vector3(0, 0, 14);
-        }
-        if (asked < 3 && (asked == 0 || Text.Contains(questions[asked - 1])))
-        {
-            if (asked > 0) Debug.Log($"heard {Text}");
-            Ask(questions[asked++]);
-        }
-        if (asked == 3 && Text.Contains("plank!")) eyes.position = new Vector3(0, 0, 16);
-    }
-
-    protected override void OnGUI() { }
-}
-"""
-
-
-def test_in_unity_a_game_asks_what_it_likes_and_to_walk_away_is_a_distance(serve, start, console, netmq, tmp_path):
-    """Its next question ends the one before."""
-    (tmp_path / "Visitor.cs").write_text(VISITOR, encoding="utf-8")
-    scripts = dotnet.build(netmq, dotnet.OWN_SCRIPTS, [tmp_path / "Visitor.cs"])
-    server, endpoint = serve(KEY, "--delay", "0.2")
-    player = start(*console, scripts, "--unity", "--endpoint", endpoint, "--timeout", "25")
-    assert player.wait() == 0, player.output
-    questions = ["What is your name?", "Who are you?", PROMPT]
-    assert player.lines[0] == "comes near"
-    assert [line for line in player.lines if line.startswith("asking")] == [
-        f"asking {endpoint}: {it}" for it in questions
-    ]
-    heard = [line.removeprefix("heard ") for line in player.lines if line.startswith("heard ")]
-    for question, text in zip(questions, heard, strict=False):
-        assert small_talk.reply(question, 0).startswith(text)
-    assert "she: Mind the third plank!" in player.lines
-    assert re.fullmatch(r"done: (\d+) words, and you walked away", player.lines[-1]), player.output
-    jobs = [begun[1] for line in server.lines if (begun := re.match(r"(job \w+): talk from 0", line))]
-    assert len(jobs) == 3
-    for job in jobs:
-        server.wait_for(f"{job}: canceled at")
 
 
 # A server that the test decides for

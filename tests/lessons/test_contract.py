@@ -366,15 +366,15 @@ TEXTS = {
 }
 
 
-@pytest.mark.parametrize("kind", ["python", "csharp"])
 @pytest.mark.parametrize("key", TEXTS)
-def test_every_client_of_an_id_and_a_text_fits_every_server_of_them(key, kind, serve, game, run):
+def test_every_client_of_an_id_and_a_text_fits_every_server_of_them(key, csharp_kinds, serve, game, run):
     text, reply, without = TEXTS[key]
     with Server(str.upper) as own:
         endpoint = own.endpoint if key == "Python" else game()[1] if key == "C#" else serve(key)[1]
-        for client, expected in [*((client, f"{reply}\n") for client in [*TEXTS][:3]), (KEYS[0], without)]:
-            done = run(kind, client, "--endpoint", endpoint, "--count", "2", "--text", text, *PATIENT)
-            assert f"2: sent {text}, received {expected}" in "\n".join(done.lines), (client, done)
+        for kind in ["python", *csharp_kinds[:1]]:
+            for client, expected in [*((client, f"{reply}\n") for client in [*TEXTS][:3]), (KEYS[0], without)]:
+                done = run(kind, client, "--endpoint", endpoint, "--count", "2", "--text", text, *PATIENT)
+                assert f"2: sent {text}, received {expected}" in "\n".join(done.lines), (kind, client, done)
 
 
 # A server goes on, and ends

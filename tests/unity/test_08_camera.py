@@ -72,21 +72,6 @@ def test_the_car_goes_where_pythons_goes(drive: Drive) -> None:
     assert all(stands == "True" for *_, stands in found), "the object is where the drive's car is"
 
 
-def test_the_server_keeps_to_the_road_by_what_the_camera_sees(
-    serve: Callable[..., Any], play: Callable[..., Program]
-) -> None:
-    """In lock-step: else a busy machine steers by what was seen a second ago, and leaves the road."""
-    endpoint = serve("08_see_and_steer")[1]
-    words = ["every=0", "count=300", "positions", "lockstep=true", "timeout=60"]
-    client = play("drive", f"endpoint={endpoint}", *words)
-    assert client.wait() == 0, client.output[-2000:]
-    road = world.Road()
-    found = re.findall(r"^at \d+ (\S+) (\S+) ", client.output, re.MULTILINE)
-    near = [road.nearest(float(x), float(y)) for x, y in found[::5]]
-    assert max(off for _, off in near) < world.HALF_WIDTH
-    assert near[-1][0] > 200, "the first corner is behind it"
-
-
 def test_a_picture_is_upright_whatever_the_graphics_card_does(drive: Drive) -> None:
     """The same pictures where the card has the highest row first, and where it reads back only while Unity waits."""
     cards = ["", "topfirst", "noreadback", "topfirst noreadback"]

@@ -497,22 +497,6 @@ def test_what_an_older_kit_wrote_and_this_one_has_not_is_deleted(project, nuget,
     assert "wrote" not in capsys.readouterr().out
 
 
-def test_a_file_that_is_open_for_a_moment_is_tried_again(project, nuget, monkeypatch):
-    tries = []
-    replace = os.replace
-
-    def busy(source, target):
-        tries.append(target)
-        if len(tries) == 1:
-            raise PermissionError(13, "used by another process")
-        replace(source, target)
-
-    monkeypatch.setattr(os, "replace", busy)
-    unity_install.install(project, "1")
-    assert tries[0] == tries[1]
-    assert (project / TARGET / "01_request_reply" / "HelloClient.cs").exists()
-
-
 @pytest.mark.parametrize(
     ("system", "python", "line"),
     [

@@ -71,8 +71,7 @@ def test_each_lesson_has_a_scene_with_its_scripts_in_which_something_is_seen():
 
     That is the last line, in lessons 03 and 07 a cube that moves, and in 21 one that talks.
     """
-    by_guid = {own_guid(path): path for path in PACKAGE.rglob("*.cs")}
-    faults = []
+    by_guid, faults = known_scripts(), []
     for lesson in (path for path in PACKAGE.glob("[0-9][0-9]_*") if behaviours(path)):
         text = (lesson / f"{lesson.name}.unity").read_text(encoding="utf-8")
         shown = ["LastLine.cs", *(["Cube.cs"] if lesson.name.startswith(("03", "07", "21")) else [])]
@@ -113,11 +112,16 @@ def serialized(name):
     return {name} if name else set()
 
 
+@functools.cache
+def known_scripts():
+    return {own_guid(path): path for path in PACKAGE.rglob("*.cs")}
+
+
 def reference_faults(text):
     """A line for each reference of a file that leads nowhere in Unity."""
     objects = documents(text)
     names = [name for _, name, _ in objects]
-    known = {own_guid(path): path for path in PACKAGE.rglob("*.cs")}
+    known = known_scripts()
     yield from (f"{name} is there twice" for name, count in Counter(names).items() if count > 1)
     for _, name, body in objects:
         for number, of in re.findall(r"\{fileID: (\d+)(?:, guid: (\w+), type: \d)?\}", body):

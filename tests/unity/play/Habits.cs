@@ -2,7 +2,6 @@
 // one for the rest.
 using System;
 using System.Collections;
-using System.Collections.Generic;
 using System.Linq;
 using System.Threading;
 using System.Threading.Tasks;
@@ -25,7 +24,6 @@ namespace NetMQExample.PlayTest
                 ShowLines();
                 DrawShapes();
                 RunInBackground();
-                WriteJson();
             });
             player.Stop();
             Application.runInBackground = true;
@@ -91,18 +89,6 @@ namespace NetMQExample.PlayTest
                 Object.DestroyImmediate(web);
             }
         }
-
-        // A class comes back with its serialized fields; others are passed over, as by Unity's serializer.
-        private static void WriteJson()
-        {
-            var written = JsonUtility.ToJson(new Order { hp = 3, path = { Vector3.up }, text = "a \"word\",\n" });
-            var read = JsonUtility.FromJson<Order>(written.Replace("3", "-4").Replace("0.5", "2.5e-1"));
-            Console.WriteLine($"JSON: {written} {read.hp} {read.speeds[1]} {read.path[0]} {read.to.who} "
-                + $"{read.text.Length} {read.Unseen}");
-            foreach (var wrong in new[] { "{\"hp\":}", "{\"hp\":1", "hp", "[1]" })
-                try { Console.WriteLine($"read {wrong}: {JsonUtility.FromJson<Order>(wrong).hp}"); }
-                catch (ArgumentException e) { Console.WriteLine($"no JSON: {e.Message}"); }
-        }
     }
 
     public sealed class Ordered : MonoBehaviour
@@ -164,29 +150,5 @@ namespace NetMQExample.PlayTest
         }
 
         private void Update() => throw new InvalidOperationException("in Update");
-    }
-
-    [Serializable]
-    public sealed class Order
-    {
-        public int hp;
-        public float[] speeds = { 1, 0.5f };
-        public List<Vector3> path = new List<Vector3>();
-        public Target to = new Target();
-        public string text;
-        public DateTimeKind kind = DateTimeKind.Utc;
-        public readonly int never = 1;
-        public Dictionary<string, int> neither = new Dictionary<string, int>();
-        [NonSerialized] public bool nor = true;
-        [SerializeField] private bool marked = true;
-        private int hidden = 5;
-
-        public int Unseen { get => hidden; set => hidden = marked ? value : 0; }
-
-        [Serializable]
-        public struct Target
-        {
-            public string who;
-        }
     }
 }
