@@ -292,7 +292,7 @@ def test_a_wrong_class_is_named():
 def test_an_action_is_the_value_that_it_is_however_it_is_written():
     random = np.random.default_rng(12)
     spaces_of_actions = [NARROW, spaces.Dict(z=ONE, a=spaces.Discrete(2))]
-    for space in [*spaces_of_actions, *(a_space(random) for _ in range(200))]:
+    for space in [*spaces_of_actions, *(a_space(random) for _ in range(80))]:
         space.seed(12)
         action = space.sample()
         section = Section(0, b"", b"\1")
@@ -331,11 +331,8 @@ ODD = {
         spaces.GraphInstance(NODES, EDGES, np.array([[0, 0.7]])),
         "not-in-space: 'agent'@",
     ),
-    "text for a number": (spaces.Box(0, 1, (1,), np.float32), "0.5", "bad-observation: .*'0.5' is no number"),
     "a whole number that no float has": (ONE, [2**24 + 1, 0], "bad-observation: .*would become another number"),
-    "a number for a sequence": (spaces.Sequence(ONE), 5, "bad-observation|not-in-space"),
     "too many": (spaces.Sequence(spaces.Discrete(2)), np.zeros(200_000, np.int64), "too-many: 'agent'@.*200000 items"),
-    "one of many": (spaces.Sequence(ONE), [np.zeros(2), np.full(2, 10.0)], r"not-in-space: 'agent'@\['x'\]\[1\]"),
     "another kind of what a OneOf has": (spaces.OneOf([ONE, spaces.Text(9)]), (1, "text"), None),
     "whole numbers of 32 bits": (spaces.Dict(a=NARROW, b=spaces.Discrete(2)), None, None),
     "a stack of dicts as a list": (
@@ -344,23 +341,9 @@ ODD = {
         None,
     ),
     "a number for a text": (spaces.Text(9), 5, None),
-    "nothing for a text": (spaces.Text(9, min_length=0), None, None),
     "a dict for a sequence": (spaces.Sequence(spaces.Text(9)), {"a": 1}, "not-in-space|bad-observation"),
     "no number of a OneOf": (spaces.OneOf([ONE]), [NODES, NODES], r"not-in-space: 'agent'@\['x'\]\[0\]: "),
-    "a sequence that ends": (spaces.Sequence(ONE), [], None),
     "keys in another order": (spaces.Dict(a=ONE, b=ONE), dict.fromkeys("ba", np.ones(2, np.float32)), None),
-    "a key too few": (spaces.Dict(a=ONE, b=ONE), {"a": np.ones(2)}, None),
-    "a key too many": (spaces.Dict(a=ONE), {"a": np.ones(2), "b": 1}, "bad-observation: .*'b'"),
-    "deep in a dict": (
-        spaces.Dict(a=spaces.Tuple([ONE])),
-        {"a": [np.full(2, 10, np.float32)]},
-        r"not-in-space: 'agent'@\['x'\]\['a'\]\[0\]: float32 \[2\] array\(\[10",
-    ),
-    "a dict in a sequence": (
-        spaces.Sequence(spaces.Dict(a=spaces.Discrete(2))),
-        [{"a": 1}, {"a": 2}],
-        r"not-in-space: 'agent'@\['x'\]\[1\]\['a'\]: .*2.* is not in Discrete",
-    ),
 }
 
 
@@ -389,7 +372,7 @@ def test_a_plan_reads_what_merging_makes(what):
 def test_plans_of_random_spaces_read_what_merging_makes():
     """Also of values of another space: both refuse them, or both take them for the same."""
     random = np.random.default_rng(11)
-    for _ in range(300):
+    for _ in range(100):
         space, other_space = a_space(random), a_space(random)
         planned, merged = (Sight("agent", spaces.Dict(x=space)) for _ in range(2))
         for value in (space.sample(), other_space.sample(), space.sample()):

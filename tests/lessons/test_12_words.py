@@ -73,6 +73,11 @@ def taking(pixels):
     view.take(view.due(), pixels)
 
 
+def with_films(do):
+    with Films("tcp://127.0.0.1:*") as films:
+        do(films)
+
+
 def of_class(kind):
     return typing.get_type_hints(kind.__init__)
 
@@ -123,6 +128,13 @@ CALLS: list[tuple[Any, dict[str, Any], dict[str, list[Any]], dict[str, Any]]] = 
     (train, {"play_all": len, "seed": 1, "generations": 1}, {}, typing.get_type_hints(train)),
     (play, {"env": None, "seed": 1}, {"policy": [None, "", [1, 2]]}, {}),
     (Films, {"endpoint": "tcp://127.0.0.1:*"}, {"endpoint": ["nonsense"], "timeout": [0]}, of_class(Films)),
+    (
+        lambda **words: with_films(lambda films: films.begin_render(**words)),
+        {},
+        {"view": [b"a"], "path": [0], "width": [2**70], "fps": [0, ""]},
+        typing.get_type_hints(Films.begin_render),
+    ),
+    (lambda seconds: with_films(lambda films: films.wait(seconds)), {}, {}, {"seconds": float}),
     (ViewFilm, {"path": None, "fps": 25}, {"view": [0, None, b"x"]}, {}),
     (
         FilmView,
@@ -150,8 +162,8 @@ SAYS = {
     "observation_spaces": "observation_space|the name of an agent",
     "action_spaces": "action_space|the name of an agent",
     "name": "name|a view",
-    "width": "a view",
-    "height": "a view",
+    "width": "width|a view",
+    "height": "height|a view",
     "path": "path|no film",
     "agents": "agents|iterable",
 }

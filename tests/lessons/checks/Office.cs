@@ -24,8 +24,7 @@ namespace NetMQExample.Tests
         {
             var office = new Office();
             foreach (var parts in names.Split(' ').Select(name => name.Split(':')))
-                office.Clerks.Add(new Clerk(parts[0], office, parts.Length > 1 ? Program.Whole(parts[1]) : 1)
-                { IsBlind = parts.Length > 2 });
+                office.Clerks.Add(new Clerk(parts[0], office, parts.Length > 1 ? Program.Whole(parts[1]) : 1));
             var simulator = new SceneSimulator("Office", Dt, office.Clerks, office)
             {
                 Warn = Console.WriteLine,
@@ -84,9 +83,7 @@ namespace NetMQExample.Tests
 
         public Clerk(string name, Office office, int period = 1) : base(name, period) => this.office = office;
 
-        public bool IsBlind { get; set; }
-
-        public override GymSpace Observation => IsBlind ? null : Seen;
+        public override GymSpace Observation => Seen;
 
         public override GymSpace Action => Words;
 

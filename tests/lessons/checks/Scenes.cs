@@ -2,7 +2,7 @@
 // are the classes of docs/guide/from_gymize.md and docs/guide/13_side_channels.md.
 //
 //     dotnet checks.dll scene gymize ENDPOINT [HOW]
-//         HOW is wrong, mistake, mute, period, gone, radar, broken, named, alone or env.
+//         HOW is wrong, mistake, mute, gone, radar, named, alone or env.
 //     dotnet checks.dll scene Racer ENDPOINT [first | channels | lost | VIEW_ENDPOINT]
 //     dotnet checks.dll scene Faller ENDPOINT
 //     dotnet checks.dll scene Arena ENDPOINT
@@ -95,7 +95,7 @@ namespace NetMQExample.Tests
             var scripts = new MonoBehaviour[]
             {
                 how == "mistake" ? (MonoBehaviour)thing.AddComponent<Speeder>() : thing.AddComponent<Runner>(),
-                how == "period" ? thing.AddComponent<Metronome>() : thing.AddComponent<GymManager>(),
+                thing.AddComponent<GymManager>(),
             };
             var says = thing.AddComponent<Says>();
             says.hears = how != "mute";
@@ -111,7 +111,6 @@ namespace NetMQExample.Tests
             thing.SetActive(true);
             if (how == "gone") scripts[0].enabled = false;
             if (how == "wrong") Add<CameraSensor>("eye");
-            if (how == "period") ((Agent)scripts[0]).StepPeriod = 3;
             if (how == "named")
             {
                 ((Agent)scripts[0]).Name = "one";
@@ -121,13 +120,12 @@ namespace NetMQExample.Tests
                 Add<Runner>("last");
             }
             if (how == "env") Add<Referee>("referee");
-            if (how == "radar" || how == "broken")
+            if (how == "radar")
             {
                 var other = new GameObject("twin");
                 other.SetActive(false);
                 other.transform.SetParent(thing.transform);
                 var radar = other.AddComponent<Radar>();
-                radar.broken = how == "broken";
                 Inspector.Set(new[] { radar }, "locator", "@.place(1:)");
                 other.SetActive(true);
             }
@@ -273,9 +271,7 @@ namespace NetMQExample.Tests
 
     internal sealed class Radar : SensorComponent
     {
-        public bool broken;
-
-        public override object GetObservation() => broken ? (object)gameObject : new Vector2(7, 8);
+        public override object GetObservation() => new Vector2(7, 8);
     }
 
     internal sealed class Speeder : Agent
@@ -289,11 +285,6 @@ namespace NetMQExample.Tests
         public override void OnAction(object action)
         {
         }
-    }
-
-    internal sealed class Metronome : GymManager
-    {
-        public override void OnTick(double dt) => Debug.Log("tick");
     }
 
     internal abstract class Animal : Agent
