@@ -155,37 +155,32 @@ namespace NetMQExample
             for (var i = 1; i < frames.Count; i++) size += frames[i].Length;
             RefuseTooLarge(frames[0].Length, size);
             var json = new MessageReader(frames[0].Span);
-            // Where the value of each field begins. Of two with one name the last counts.
-            int version = 0, kind = 0, id = 0, values = 0, arrays = 0;
-            for (json.Open("version"); json.More();)
-            {
-                var name = json.Name();
-                var at = json.Skip();
-                if (name == "version") version = at;
-                else if (name == "kind") kind = at;
-                else if (name == "id") id = at;
-                else if (name == "values") values = at;
-                else if (name == "arrays") arrays = at;
-            }
             // The version comes first: another one may have other fields.
-            if (json.Whole("version", version) != Version)
+            json.Go(0, "version", "whole number");
+            if (MessageReader.Whole(json.Skip()) != Version)
                 throw new MessageException("bad-version", $"not version {Version}: are both sides of one release?");
-            var message = new Message(json.Text("kind", kind), json.Whole("id", id));
+            json.Go(0, "kind", "text");
+            var kind = json.Text();
+            json.Go(0, "id", "whole number");
+            var message = new Message(kind, MessageReader.Whole(json.Skip()));
+            json.Go(0, "values", "dict");
             if (message.Id < 0 || message.Id >= Exact)
                 throw new MessageException("bad-value", "'id' must be 0 to 2**53 - 1");
-            for (json.Go("values", values, '{'); json.More();)
+            for (var more = json.Into(); more; more = json.More('}'))
             {
                 var name = json.Name();
                 message.Values[name] = json.Value();
             }
             foreach (var value in message.Values) Checked(value.Key, value.Value);
-            var count = 0;
-            for (json.Go("arrays", arrays, '['); json.More(); count++) json.Skip();
+            json.Go(0, "arrays", "list");
+            var (arrays, count) = (json.At, 0);
+            for (var more = json.Into(); more; more = json.More(']'), count++) json.Skip();
             if (count != frames.Count - 1)
                 throw new MessageException("bad-frames",
                     $"the header lists {count} arrays, but {frames.Count - 1} frames follow it");
-            json.Go("arrays", arrays, '[');
-            for (var i = 1; json.More(); i++) message.Arrays.Add(ReadArray(ref json, frames[i]));
+            json.At = arrays;
+            for (var more = json.Into(); more; more = json.More(']'))
+                message.Arrays.Add(ReadArray(ref json, frames[message.Arrays.Count + 1]));
             return message;
         }
 
@@ -200,30 +195,25 @@ namespace NetMQExample
 
         private static MessageArray ReadArray(ref MessageReader json, ReadOnlyMemory<byte> data)
         {
-            int dtype = 0, shape = 0, count = 0;
-            for (json.Open("dtype"); json.More();)
+            var (start, count, items) = (json.At, 0, 1.0);
+            json.Go(start, "dtype", "text");
+            var dtype = json.Text();
+            Span<int> shape = stackalloc int[8];
+            json.Go(start, "shape", "list");
+            for (var more = json.Into(); more; more = json.More(']'))
             {
-                var name = json.Name();
-                var at = json.Skip();
-                if (name == "dtype") dtype = at;
-                else if (name == "shape") shape = at;
-            }
-            var end = json.At;
-            var type = json.Text("dtype", dtype);
-            // Its items are counted also where a 0 makes nothing of them: numpy takes no larger shape.
-            var items = 1.0;
-            Span<int> lengths = stackalloc int[8];
-            for (json.Go("shape", shape, '['); json.More();)
-            {
-                var whole = json.IsWhole(out var length, out _);
+                var word = json.Skip();
+                var length = MessageReader.IsWhole(word) ? MessageReader.Whole(word) : -1;
+                // Its items are counted also where a 0 makes nothing of them: numpy takes no larger shape.
                 items *= Math.Max(1, length);
-                if (!whole || length < 0 || count == lengths.Length || items > LimitBytes)
+                if (length < 0 || items > LimitBytes || count == shape.Length)
                     throw new MessageException("bad-shape",
                         $"a shape is at most 8 whole numbers, of at most {LimitBytes} items");
-                lengths[count++] = (int)length;
+                shape[count++] = (int)length;
             }
-            json.At = end;
-            return new MessageArray(type, data, lengths.Slice(0, count).ToArray());
+            json.At = start;
+            json.Skip();
+            return new MessageArray(dtype, data, shape.Slice(0, count).ToArray());
         }
 
         internal static object Checked(string name, object value)

@@ -2,8 +2,8 @@
 // nothing but texts, numbers, true, false, lists and dictionaries, and IL2CPP has nothing to strip.
 //
 // Two languages must agree on what is a message, so it takes what RFC 8259 has, and no more: no comments, no NaN, no
-// comma too many, and no \ud800, which is half a character. The whole text is looked at first. What reads it afterwards
-// knows that every word is right.
+// comma too many, and no \ud800, which is half a character. The whole text is looked at first, so that its fields can be
+// read in any order.
 using System;
 using System.Buffers.Text;
 using System.Collections.Generic;
@@ -32,161 +32,95 @@ namespace NetMQExample
         {
             this.bytes = bytes;
             At = 0;
-            try
-            {
-                Pass(Deepest);
-                if (Next() >= 0) throw new FormatException("more follows it");
-            }
-            catch (Exception e) when (e is FormatException || e is ArgumentException)
-            {
-                throw new MessageException("bad-json", $"the header is not JSON in UTF-8: {e.Message}");
-            }
+            Skip();
+            if (Next() >= 0) throw Wrong("more follows it");
             At = 0;
         }
 
         /// <summary>Where it is.</summary>
         public int At { get; set; }
 
-        /// <summary>Goes to the value of a field.</summary>
-        /// <param name="name">The field, for an error.</param>
-        /// <param name="at">Where its value begins; 0 where there is none.</param>
-        /// <param name="first">The byte that it must begin with.</param>
-        public void Go(string name, int at, char first)
+        /// <summary>Goes to the value of a field. Of two with one name the last counts.</summary>
+        /// <param name="from">Where the object begins.</param>
+        /// <param name="name">The field.</param>
+        /// <param name="what">Its kind: "text", "whole number", "list" or "dict".</param>
+        public void Go(int from, string name, string what)
         {
-            if (at == 0) throw new MessageException("missing-field", $"there is no '{name}'");
-            At = at;
-            if (Next() == first) return;
-            var what = first == '"' ? "a text" : first == '[' ? "a list" : "an object";
-            throw new MessageException("wrong-type", $"'{name}' must be {what}");
-        }
-
-        /// <summary>The text of a field.</summary>
-        public string Text(string name, int at)
-        {
-            Go(name, at, '"');
-            return Text();
-        }
-
-        /// <summary>The whole number of a field.</summary>
-        public long Whole(string name, int at)
-        {
-            At = at;
-            if (at == 0) throw new MessageException("missing-field", $"there is no '{name}'");
-            if (IsWhole(out var whole, out _)) return whole;
-            throw new MessageException("wrong-type", $"'{name}' must be a whole number");
-        }
-
-        /// <summary>An object is expected here, with this field.</summary>
-        public void Open(string name)
-        {
+            var found = -1;
+            At = from;
             if (Next() != '{') throw new MessageException("wrong-type", $"expected an object with '{name}'");
+            for (var more = Into(); more; more = More('}'))
+            {
+                if (Name() == name) found = At;
+                Skip();
+            }
+            if (found < 0) throw new MessageException("missing-field", $"there is no '{name}'");
+            At = found;
+            var word = Skip();
+            var kind = word[0] == '"' ? "text" : word[0] == '[' ? "list" : word[0] == '{' ? "dict"
+                : IsWhole(word) ? "whole number" : "";
+            if (kind != what) throw new MessageException("wrong-type", $"'{name}' must be a {what}");
+            At = found;
         }
 
-        /// <summary>Goes past a value.</summary>
-        /// <returns>Where that begins.</returns>
-        public int Skip()
+        /// <summary>Goes into a list, or an object, that begins here.</summary>
+        /// <returns>Whether there is anything in it; then <see cref="More"/> goes on.</returns>
+        public bool Into()
+        {
+            var close = Next() + 2;
+            At++;
+            if (Next() != close) return true;
+            At++;
+            return false;
+        }
+
+        /// <summary>Goes to the next item of a list, or name of an object, from the end of the one before.</summary>
+        /// <returns>False behind the last one.</returns>
+        public bool More(int close)
         {
             Next();
-            var start = At;
-            Pass(Deepest);
-            return start;
-        }
-
-        /// <summary>Goes to the next item of a list, or name of an object, from its bracket on.</summary>
-        /// <returns>False behind the last one.</returns>
-        public bool More()
-        {
-            var word = Next();
-            At++;
-            if (word == ',') return true;
-            if (word != '[' && word != '{') return false;
-            if (Next() != word + 2) return true;
-            At++;
+            if (Take(',')) return true;
+            Expect(close);
             return false;
         }
 
         /// <summary>The name of a field, whose value follows.</summary>
-        public string Name()
+        public string Name(bool make = true)
         {
-            var name = Text();
-            Next();
-            At++;
+            var name = Text(make);
+            Expect(':');
             return name;
         }
 
         /// <summary>Any value.</summary>
-        public object Value()
-        {
-            switch (Next())
-            {
-                case '{':
-                    var fields = new Dictionary<string, object>();
-                    while (More())
-                    {
-                        var name = Name();
-                        fields[name] = Value();
-                    }
-                    return fields;
-                case '[':
-                    var items = new List<object>();
-                    while (More()) items.Add(Value());
-                    return items;
-                case '"':
-                    return Text();
-                case 't':
-                    At += 4;
-                    return True;
-                case 'f':
-                    At += 5;
-                    return False;
-                case 'n':
-                    At += 4;
-                    return null;
-                default:
-                    return IsWhole(out var whole, out var real) ? whole : (object)real;
-            }
-        }
+        public object Value() => Read(true, Deepest);
 
-        /// <summary>A number, if one begins here.</summary>
-        /// <param name="whole">A number that no long can hold is exact nowhere: it is a long that nobody takes.</param>
-        /// <param name="real">One that is not whole; NaN where there is none.</param>
-        public bool IsWhole(out long whole, out double real)
+        /// <summary>Goes past a value.</summary>
+        /// <returns>Its bytes.</returns>
+        public ReadOnlySpan<byte> Skip()
         {
-            (whole, real) = (0, double.NaN);
-            var word = Next();
-            if (word != '-' && !IsDigit(word)) return false;
+            Next();
             var start = At;
-            Pass(0);
-            var digits = bytes.Slice(start, At - start);
-            if (digits.IndexOfAny((byte)'.', (byte)'e', (byte)'E') < 0)
-            {
-                if (!Utf8Parser.TryParse(digits, out whole, out _)) whole = long.MaxValue;
-                return true;
-            }
-            Span<char> letters = digits.Length <= 64 ? stackalloc char[digits.Length] : new char[digits.Length];
-            for (var i = 0; i < digits.Length; i++) letters[i] = (char)digits[i];
-            // Where .NET does not make it infinite, as Mono does not.
-            if (!double.TryParse(letters, NumberStyles.Float, CultureInfo.InvariantCulture, out real))
-                real = double.PositiveInfinity;
-            return false;
+            Read(false, Deepest);
+            return bytes.Slice(start, At - start);
         }
 
-        /// <summary>A text, if one begins here; otherwise null.</summary>
-        public string Text()
+        /// <summary>Whether this word is a whole number.</summary>
+        public static bool IsWhole(ReadOnlySpan<byte> word) =>
+            word[0] <= '9' && word[0] != '"' && word.IndexOfAny((byte)'.', (byte)'e', (byte)'E') < 0;
+
+        /// <summary>Its number. One that no long can hold is exact nowhere: it is a long that nobody takes.</summary>
+        public static long Whole(ReadOnlySpan<byte> word) =>
+            Utf8Parser.TryParse(word, out long number, out _) ? number : long.MaxValue;
+
+        /// <summary>Any number.</summary>
+        public static double Real(ReadOnlySpan<byte> word)
         {
-            if (Next() != '"') return null;
-            StringBuilder text = null;
-            for (At++; ;)
-            {
-                var letters = bytes.Slice(At, bytes.Slice(At).IndexOfAny((byte)'"', (byte)'\\'));
-                At += letters.Length + 1;
-                var last = bytes[At - 1] == '"';
-                if (last && text == null) return Kept(letters);
-                text ??= new StringBuilder();
-                text.Append(Utf8.GetString(letters));
-                if (last) return text.ToString();
-                text.Append(Escaped());
-            }
+            Span<char> letters = word.Length <= 64 ? stackalloc char[word.Length] : new char[word.Length];
+            for (var i = 0; i < word.Length; i++) letters[i] = (char)word[i];
+            // Too large a number is infinite to .NET, and none at all to Mono.
+            return double.TryParse(letters, NumberStyles.Float, CultureInfo.InvariantCulture, out var number)
+                ? number : double.PositiveInfinity;
         }
 
         private static string Kept(ReadOnlySpan<byte> letters)
@@ -194,27 +128,99 @@ namespace NetMQExample
             if (letters.Length > 32) return Utf8.GetString(letters);
             var hash = letters.Length;
             foreach (var letter in letters) hash = hash * 31 + letter;
-            ref var known = ref Known[hash & (Known.Length - 1)];
-            var found = known;
-            if (found == null || !Same(found, letters)) known = found = Utf8.GetString(letters);
-            return found;
+            var found = Known[hash & 63];
+            var same = found != null && found.Length == letters.Length;
+            // A letter beyond ASCII is no byte.
+            for (var i = 0; same && i < letters.Length; i++) same = found[i] == letters[i] && letters[i] < 128;
+            return same ? found : Known[hash & 63] = Utf8.GetString(letters);
         }
 
-        private static bool Same(string text, ReadOnlySpan<byte> letters)
+        // Goes past a value, which it also makes if it is asked to, and throws where it is none.
+        private object Read(bool make, int deeper)
         {
-            if (text.Length != letters.Length) return false;
-            for (var i = 0; i < letters.Length; i++)
-                if (text[i] != letters[i] || letters[i] > 127) return false;
-            return true;
+            var first = Next();
+            if (first == '"') return Text(make);
+            if (first == 't') return Word("true", True);
+            if (first == 'f') return Word("false", False);
+            if (first == 'n') return Word("null", null);
+            if (first != '{' && first != '[') return Number(make);
+            if (deeper == 0) throw Wrong($"it nests more than {Deepest} levels deep");
+            var fields = make && first == '{' ? new Dictionary<string, object>() : null;
+            var items = make && first == '[' ? new List<object>() : null;
+            for (var more = Into(); more; more = More(first + 2))
+            {
+                var name = first == '{' ? Name(make) : null;
+                var value = Read(make, deeper - 1);
+                if (fields != null) fields[name] = value;
+                items?.Add(value);
+            }
+            return (object)fields ?? items;
         }
 
-        /// <summary>The byte that the next word begins with; -1 at the end.</summary>
-        public int Next()
+        private object Word(string word, object means)
+        {
+            foreach (var letter in word)
+                if (!Take(letter)) throw Wrong();
+            return means;
+        }
+
+        /// <summary>The text that begins here; null unless it is to be made.</summary>
+        public string Text(bool make = true)
+        {
+            StringBuilder text = null;
+            Expect('"');
+            var start = At;
+            while (!Take('"'))
+            {
+                if (At == bytes.Length || bytes[At] < ' ') throw Wrong();
+                var letters = bytes.Slice(start, At - start);
+                At++;
+                if (bytes[At - 1] != '\\') continue;
+                var one = Escaped();
+                var two = char.IsHighSurrogate(one) && Take('\\') ? Escaped() : '\0';
+                if (char.IsSurrogate(one) && !char.IsLowSurrogate(two)) throw Wrong("half a character");
+                if (!make) continue;
+                text = (text ?? new StringBuilder()).Append(Utf8.GetString(letters)).Append(one);
+                if (two != '\0') text.Append(two);
+                start = At;
+            }
+            var rest = bytes.Slice(start, At - 1 - start);
+            if (make) return text == null ? Kept(rest) : text.Append(Utf8.GetString(rest)).ToString();
+            try { Utf8.GetCharCount(rest); }
+            catch (ArgumentException) { throw Wrong("no UTF-8"); }
+            return null;
+        }
+
+        private object Number(bool make)
+        {
+            var start = At;
+            Take('-');
+            var whole = Take('0') ? 1 : Digits();
+            var after = Take('.') ? Digits() : 0;
+            if (Take('e') || Take('E'))
+            {
+                if (!Take('+')) Take('-');
+                after = Digits();
+            }
+            if (after == 0 && whole > MostDigits) throw Wrong($"{whole} digits are too many");
+            var word = bytes.Slice(start, At - start);
+            return !make ? null : after == 0 ? Whole(word) : (object)Real(word);
+        }
+
+        private int Digits()
+        {
+            var start = At;
+            while (At < bytes.Length && bytes[At] >= '0' && bytes[At] <= '9') At++;
+            return At > start ? At - start : throw Wrong();
+        }
+
+        // The byte that the next word begins with; -1 at the end.
+        private int Next()
         {
             for (; At < bytes.Length; At++)
             {
                 var letter = bytes[At];
-                if (letter != ' ' && letter != '\n' && letter != '\r' && letter != '\t') return letter;
+                if (letter > ' ' || (letter != ' ' && letter != '\n' && letter != '\r' && letter != '\t')) return letter;
             }
             return -1;
         }
@@ -229,112 +235,23 @@ namespace NetMQExample
 
         private void Expect(int letter)
         {
-            if (Next() != letter) throw new FormatException($"'{(char)letter}' is missing at byte {At}");
+            if (Next() != letter) throw Wrong($"'{(char)letter}' is missing");
             At++;
         }
 
-        // Goes past a value, and throws where it is none.
-        private void Pass(int deeper)
-        {
-            switch (Next())
-            {
-                case '{':
-                case '[':
-                    if (deeper == 0) throw new FormatException($"it nests more than {Deepest} levels deep");
-                    var close = bytes[At++] + 2;
-                    if (Next() != close)
-                    {
-                        do
-                        {
-                            if (close == '}')
-                            {
-                                PassText();
-                                Expect(':');
-                            }
-                            Pass(deeper - 1);
-                            Next();
-                        }
-                        while (Take(','));
-                    }
-                    Expect(close);
-                    break;
-                case '"':
-                    PassText();
-                    break;
-                case 't':
-                    PassWord("true");
-                    break;
-                case 'f':
-                    PassWord("false");
-                    break;
-                case 'n':
-                    PassWord("null");
-                    break;
-                default:
-                    PassNumber();
-                    break;
-            }
-        }
-
-        private void PassWord(string word)
-        {
-            foreach (var letter in word)
-                if (!Take(letter)) throw Wrong();
-        }
-
-        private void PassText()
-        {
-            Expect('"');
-            var start = At;
-            for (; ; At++)
-            {
-                if (At == bytes.Length || bytes[At] < ' ') throw Wrong();
-                if (bytes[At] == '"') break;
-                if (bytes[At] != '\\') continue;
-                At++;
-                var one = Escaped();
-                if (char.IsHighSurrogate(one) && Take('\\') && char.IsLowSurrogate(Escaped())) one = ' ';
-                if (char.IsSurrogate(one)) throw new FormatException($"half a character before byte {At}");
-                At--;
-            }
-            // Throws where it is no UTF-8.
-            Utf8.GetCharCount(bytes.Slice(start, At - start));
-            At++;
-        }
-
-        // What stands behind a backslash.
+        // The character that an escape means, from behind its backslash on.
         private char Escaped()
         {
             for (var i = 0; i < Escapes.Length; i++)
                 if (Take(Escapes[i])) return Meant[i];
-            if (!Take('u') || !Utf8Parser.TryParse(bytes.Slice(At, Math.Min(4, bytes.Length - At)), out ushort code,
-                out var length, 'x') || length < 4) throw Wrong();
+            var digits = Take('u') ? bytes.Slice(At, Math.Min(4, bytes.Length - At)) : default;
+            Utf8Parser.TryParse(digits, out ushort code, out var length, 'x');
+            if (length < 4) throw Wrong();
             At += 4;
             return (char)code;
         }
 
-        private void PassNumber()
-        {
-            Take('-');
-            var whole = Take('0') ? 1 : PassDigits();
-            var point = Take('.') ? PassDigits() : 0;
-            if (Take('e') || Take('E'))
-            {
-                if (!Take('+')) Take('-');
-                PassDigits();
-            }
-            else if (point == 0 && whole > MostDigits) throw new FormatException($"{whole} digits are too many");
-        }
-
-        private int PassDigits()
-        {
-            var start = At;
-            while (At < bytes.Length && IsDigit(bytes[At])) At++;
-            return At > start ? At - start : throw Wrong();
-        }
-
-        private static bool IsDigit(int letter) => letter >= '0' && letter <= '9';
-
-        private FormatException Wrong() => new FormatException($"none of JSON's words at byte {At}");
+        private MessageException Wrong(string what = "none of JSON's words") =>
+            new MessageException("bad-json", $"the header is not JSON in UTF-8: {what} at byte {At}");
     }
 }

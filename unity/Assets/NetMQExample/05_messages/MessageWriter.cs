@@ -14,7 +14,7 @@ namespace NetMQExample
         private byte[] bytes = new byte[512];
         private int count;
 
-        /// <summary>What was written since <see cref="Begin"/>. It is only valid until that.</summary>
+        /// <summary>All since <see cref="Begin"/>; valid until that.</summary>
         public ReadOnlyMemory<byte> Written => new ReadOnlyMemory<byte>(bytes, 0, count);
 
         /// <summary>A text as it stands in JSON.</summary>
