@@ -31,6 +31,8 @@ from netmq_example.finalizers import undisturbed
 VARIABLE = "NETMQ_EXAMPLE_LAUNCHER"
 # And where its views are awaited: not in its words, of which it would have to know each.
 VIEWS = "NETMQ_EXAMPLE_VIEWS"
+# They begin a program of Linux, a script, and programs of macOS, for one kind of processor or for several.
+PROGRAMS = (b"\x7fELF", b"#!", b"\xcf\xfa\xed\xfe", b"\xca\xfe\xba\xbe")
 # How long a program gets to end by itself.
 END_SECONDS = 2
 # Until when nobody is told again that an endpoint waits: each wrong hello ends an environment, and begins the next one.
@@ -67,12 +69,26 @@ def game(path: str | os.PathLike[str]) -> str:
     ending = {"win32": ".exe", "darwin": ".app/Contents/MacOS/*"}.get(sys.platform, ".x86_64")
     for pattern in (glob.escape(path), glob.escape(path) + ending):
         for file in filter(os.path.isfile, sorted(glob.glob(pattern))):
-            # An unpacked archive may have lost the right to be executed.
             if not os.access(file, os.X_OK):
-                os.chmod(file, 0o755)
+                make_executable(file)
             return os.path.abspath(file)
     cure = "; the .NET SDK brings it: https://dot.net" if path == "dotnet" else ""
     raise FileNotFoundError(f"no game at {path}: there is neither this file nor {path}{ending}{cure}")
+
+
+def make_executable(file: str) -> None:
+    """An unpacked archive may have lost the right to be executed. FileNotFoundError: it is no program."""
+    with open(file, "rb") as opened:
+        begin = opened.read(4)
+    if begin.startswith(PROGRAMS):
+        os.chmod(file, 0o755)
+    elif not file.endswith(".exe"):
+        raise FileNotFoundError(cannot_start(file, "it is no program"))
+
+
+def cannot_start(file: str, why: str | None) -> str:
+    cure = f"a script needs its program: launch=[sys.executable, {os.path.basename(file)!r}]"
+    return f"launch cannot start {file}: {why}; {cure}"
 
 
 def start_program(words: Sequence[str], views: str = "") -> subprocess.Popen[bytes]:
@@ -86,8 +102,7 @@ def start_program(words: Sequence[str], views: str = "") -> subprocess.Popen[byt
     try:
         process = subprocess.Popen(words, start_new_session=True, stdin=subprocess.PIPE, env=environment)
     except OSError as error:
-        cure = f"a script needs its program: launch=[sys.executable, {os.path.basename(words[0])!r}]"
-        raise OSError(f"launch cannot start {words[0]}: {error.strerror}; {cure}") from None
+        raise OSError(cannot_start(words[0], error.strerror)) from None
     # By this byte it knows that it is this pipe. One that has ended already says why by its code.
     with contextlib.suppress(OSError):
         os.write(process.stdin.fileno(), b"\n")  # type: ignore[union-attr]

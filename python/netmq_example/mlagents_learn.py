@@ -61,6 +61,7 @@ def main() -> None:
     errors: Any = importlib.import_module("mlagents.trainers.exception")
     exceptions: Any = importlib.import_module("netmq_example.mlagents_envs.exception")
     keep_exporter(importlib.import_module("torch"))
+    say_what_is_wrong(errors.TrainerConfigError)
     try:
         learn.main()
     except (errors.TrainerError, errors.TrainerConfigError, exceptions.UnityException) as error:
@@ -69,9 +70,9 @@ def main() -> None:
 
 def missing() -> list[str]:
     """A line for each package that is not there, or too new, with the command that installs it."""
-    lines = [f"{module} is not installed: {install(pin)}" for module, pin in NEEDS.items() if not found(module)]
     if sys.version_info[:2] > LAST_PYTHON and version("mlagents") <= TRIED:
-        lines.append("ML-Agents 1.1.0 needs Python 3.11 or older: python3.11 -m venv .venv, and install all there")
+        return ["ML-Agents 1.1.0 needs Python 3.11 or older: python3.11 -m venv .venv, and install all there"]
+    lines = [f"{module} is not installed: {install(pin)}" for module, pin in NEEDS.items() if not found(module)]
     pins = {name(pin): pin for pin in NEEDS.values()}
     for package, limit in TOO_NEW.items():
         if version(package) >= limit:
@@ -136,6 +137,27 @@ def keep_exporter(torch: Any) -> None:
     """The exporter of a newer torch writes two files, in an opset that Unity does not read."""
     if "dynamo" in inspect.signature(torch.onnx.export).parameters:
         torch.onnx.export = functools.partial(torch.onnx.export, dynamo=False)
+
+
+def say_what_is_wrong(error: Any) -> None:
+    """ML-Agents ends in a traceback where a file has no settings, and in silence where a simulator is lost for good."""
+    settings: Any = importlib.import_module("mlagents.trainers.settings")
+    controller: Any = importlib.import_module("mlagents.trainers.trainer_controller")
+    yaml: Any = importlib.import_module("yaml")
+    load = settings.load_config
+
+    def load_config(path: str) -> Any:
+        try:
+            config = load(path)
+        except yaml.YAMLError as wrong:
+            raise error(f"{path} is no YAML: {' '.join(str(wrong).split())}") from None
+        if not isinstance(config, dict):
+            raise error(f"{path} has no settings: write behaviors:, and below it those of each behavior")
+        return config
+
+    settings.load_config = load_config
+    # Ctrl-C is the only end that is no error.
+    controller.UnityCommunicatorStoppedException = KeyboardInterrupt
 
 
 if __name__ == "__mp_main__":

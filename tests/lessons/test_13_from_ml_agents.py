@@ -321,7 +321,7 @@ MonoBehaviour:
     "ProjectSettings/ProjectVersion.txt": "m_EditorVersion: 2022.3.62f1\n",
 }
 BLOCKS = [*guide.blocks(GUIDE / "from_ml_agents.md")]
-LOOP, FIVE_VALUES = [block.body for block in BLOCKS if block.language == "python"]
+LOOP, BY_GYMNASIUM = [block.body for block in BLOCKS if block.language == "python"]
 (BEHAVIOR,) = [block.body for block in BLOCKS if block.language == "csharp"]
 (SAID,) = [block.body for block in BLOCKS if block.body.startswith("kit ")]
 # Its port is this test's own; what it did is shown, and the player may compile for longer than it waits.
@@ -356,14 +356,14 @@ def test_a_project_moves_in_as_the_page_says(tmp_path, start, console, netmq):
     assert "such as a GymManager or one with side channels, has the connection" in both.stdout + both.stderr
 
 
-def test_the_pages_lines_drive_a_moved_scene_by_gymnasium(capsys):
+def test_the_pages_lines_drive_a_moved_scene_by_gymnasium():
     """Their port is this test's own."""
     port = steady_port()
     client = EnvironmentClient(f"tcp://127.0.0.1:{port}", timeout=LIMIT)
     arena = Arena(Walker("Ball", period=5, length=12), name="Main")
     thread = threading.Thread(target=client.run, args=(ArenaSimulator(arena),), daemon=True)
     thread.start()
-    exec(FIVE_VALUES.replace("5004", f"{port}"), {})
+    exec(BY_GYMNASIUM.replace("5004", f"{port}"), {})
     thread.join(LIMIT)
     # Its episodes have three decisions at most.
     assert len(arena.resets) > 100 // 3

@@ -94,7 +94,7 @@ FAKES = {
     "PIL/__init__.py": "",
     "google/protobuf/__init__.py": "",
     "tensorboard/__init__.py": "",
-    "yaml.py": "",
+    "yaml.py": "class YAMLError(Exception): pass",
     "torch.py": """
 class onnx:
     def export(model, path, dynamo=True):
@@ -108,6 +108,14 @@ class onnx:
     "mlagents/trainers/exception.py": """
 class TrainerError(Exception): pass
 class TrainerConfigError(Exception): pass
+""",
+    "mlagents/trainers/trainer_controller.py": "from mlagents_envs.exception import UnityCommunicatorStoppedException",
+    "mlagents/trainers/settings.py": """
+import yaml
+
+def load_config(path):
+    if path == "broken": raise yaml.YAMLError("mapping values\\n  in line 1")
+    return {}.get(path)
 """,
     "mlagents/trainers/worker.py": """
 import numpy
@@ -124,12 +132,18 @@ def told():
 """,
     "mlagents/trainers/learn.py": """
 import multiprocessing, sys, torch
-from mlagents.trainers import exception, worker
-from mlagents_envs.exception import UnityTimeOutException
+from mlagents.trainers import exception, settings, trainer_controller, worker
+from mlagents_envs.exception import UnityCommunicatorStoppedException, UnityTimeOutException
 
 def main():
     print(sys.argv[1:])
     if "bad" in sys.argv: raise exception.TrainerConfigError("no such trainer")
+    if sys.argv[1] in ("broken", "empty"): settings.load_config(sys.argv[1])
+    if "lost" in sys.argv:
+        try:
+            raise UnityCommunicatorStoppedException("the simulator is lost")
+        except UnityCommunicatorStoppedException as error:
+            if not isinstance(error, trainer_controller.UnityCommunicatorStoppedException): raise
     if "late" in sys.argv: raise UnityTimeOutException("no simulator came")
     torch.onnx.export("a model", path="a.onnx")
     worker.told()
@@ -173,7 +187,16 @@ def test_the_kit_stands_in_the_place_of_mlagents_envs_also_in_a_worker_that_is_s
 
 
 @pytest.mark.skipif(sys.version_info >= (3, 12), reason="ML-Agents needs Python 3.11 or older")
-@pytest.mark.parametrize(("word", "says"), [("bad", "no such trainer"), ("late", "no simulator came")])
+@pytest.mark.parametrize(
+    ("word", "says"),
+    [
+        ("bad", "no such trainer"),
+        ("late", "no simulator came"),
+        ("lost", "the simulator is lost"),
+        ("empty", "empty has no settings: write behaviors:, and below it those of each behavior"),
+        ("broken", "broken is no YAML: mapping values in line 1"),
+    ],
+)
 def test_an_error_of_the_trainers_is_one_line(fakes, word, says):
     done = fakes(word)
     assert done.returncode == 1 and done.stderr.splitlines()[-1] == f"mlagents-learn ended: {says}"
@@ -358,6 +381,34 @@ def test_several_simulators_then_on_and_anew(training):
 
 
 @trains
+def test_a_model_plays_and_learns_no_more(training):
+    training.config(steps=2000)
+    training.run(f"--env={POLES}", "--run-id=a")
+    learnt = weights(training.folder / "results" / "a" / "Pole")
+    process = training.start(f"--env={POLES}", "--run-id=a", "--resume", "--inference")
+    for line in process.stdout:
+        if "Not Training" in line:
+            break
+    process.send_signal(signal.SIGINT)
+    assert process.wait(LIMIT) == 0
+    assert weights(training.folder / "results" / "a" / "Pole") == learnt
+
+
+@trains
+def test_an_empty_file_and_a_simulator_that_is_lost_for_good_are_errors(training):
+    (training.folder / "config.yaml").write_text("", encoding="utf-8")
+    empty = finished(training.words(), env=training.environment, cwd=training.folder)
+    assert empty.returncode == 1 and empty.stderr.endswith(
+        "has no settings: write behaviors:, and below it those of each behavior\n"
+    )
+    training.config(add="env_settings: {max_lifetime_restarts: 0}\n")
+    (training.folder / "scene.py").write_text(LOST, encoding="utf-8")
+    lost = finished(training.words("--env=scene.py", "--run-id=a"), env=training.environment, cwd=training.folder)
+    assert lost.returncode == 1 and "Traceback" not in lost.stderr
+    assert "mlagents-learn ended: the simulator is lost" in lost.stderr
+
+
+@trains
 def test_workers_that_are_spawned(training):
     (training.folder / "spawn.py").write_text(SPAWN, encoding="utf-8")
     training.config(steps=1000)
@@ -480,6 +531,20 @@ def test_a_group_learns_together(training):
     assert last > first + 5
 
 
+# It ends in the middle of its training.
+LOST = """
+import os, sys
+from netmq_example.scene import EnvironmentClient
+from tests.lessons.scene_clock import Arena, ArenaSimulator, Walker
+
+class Ending(Arena):
+    def tick(self):
+        super().tick()
+        if self.ticks == 50:
+            os._exit(1)
+
+EnvironmentClient(sys.argv[sys.argv.index("--endpoint") + 1], timeout=60).run(ArenaSimulator(Ending(Walker("Pole"))))
+"""
 # As ML-Agents' recorder writes it: fifty steps, in which the pole is pushed to where it falls.
 DEMONSTRATION = """
 from netmq_example.mlagents_learn import take_place

@@ -3,6 +3,7 @@ their paths, loggers, timers, the registry. The environments are made up here, a
 """
 
 import importlib
+import os
 import pickle
 import pkgutil
 import subprocess
@@ -17,6 +18,7 @@ from tests.programs import LIMIT, ROOT
 np = pytest.importorskip("numpy", reason="ML-Agents' API needs numpy: kit.py run 13 installs it")
 pytest.importorskip("gymnasium", reason="the wrappers need the spaces of gymnasium: kit.py run 13 installs it")
 
+from netmq_example import launch  # noqa: E402
 from netmq_example.mlagents_envs import env_utils, logging_util, timers  # noqa: E402
 from netmq_example.mlagents_envs.base_env import (  # noqa: E402
     ActionSpec,
@@ -377,6 +379,19 @@ def test_a_build_is_launched(tmp_path):
     refused = mock.patch("subprocess.Popen", side_effect=PermissionError(13, "not allowed"))
     with refused, pytest.raises(UnityEnvironmentException, match="not allowed"):
         env_utils.launch_executable(str(script), [])
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such right")
+def test_only_a_program_is_made_executable(tmp_path):
+    text, script = tmp_path / "notes.txt", tmp_path / "game.sh"
+    text.write_text("no program", encoding="utf-8")
+    script.write_text("#!/bin/sh\n", encoding="utf-8")
+    with pytest.raises(UnityEnvironmentException, match=r"notes\.txt is no program of this system"):
+        env_utils.launch_executable(str(text), [])
+    with pytest.raises(FileNotFoundError, match=r"notes\.txt: it is no program; a script needs"):
+        launch.program(text)
+    assert launch.program(script) == [str(script)]
+    assert [os.access(file, os.X_OK) for file in (text, script)] == [False, True]
 
 
 @pytest.mark.parametrize("build", BUILDS.values())

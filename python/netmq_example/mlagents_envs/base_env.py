@@ -42,15 +42,16 @@ class _ActionTupleBase:
     def add_continuous(self, continuous: Any) -> None:
         self.continuous = np.asarray(continuous, np.float32)
         if self.discrete is None:
-            self.discrete = np.zeros((len(self.continuous), 0), self.discrete_dtype)
+            self.discrete = no_columns(len(self.continuous), self.discrete_dtype)
 
     def add_discrete(self, discrete: Any) -> None:
         given = np.asarray(discrete)
-        self.discrete = given if given.dtype == self.discrete_dtype else given.astype(self.discrete_dtype)
-        if self.discrete is not given and self.discrete_dtype == np.int32 and (self.discrete != given).any():
+        self.discrete = given.astype(self.discrete_dtype, copy=False)
+        # As lists: to compare two arrays takes numpy longer right after a wait.
+        if self.discrete_dtype is np.int32 and self.discrete is not given and self.discrete.tolist() != given.tolist():
             raise UnityActionException(f"discrete actions are whole numbers of 32 bits, not {discrete!r:.60}")
         if self.continuous is None:
-            self.continuous = np.zeros((len(self.discrete), 0), np.float32)
+            self.continuous = no_columns(len(self.discrete), np.float32)
 
 
 class ActionTuple(_ActionTupleBase):
@@ -256,6 +257,11 @@ def unseen(spec: BehaviorSpec) -> list[Any]:
 @functools.cache
 def nothing(shape: tuple[int, ...]) -> Any:
     return np.zeros((0, *shape), np.float32)
+
+
+@functools.cache
+def no_columns(count: int, dtype: Any) -> Any:
+    return np.zeros((count, 0), dtype)
 
 
 class BatchedStepResult(NamedTuple):

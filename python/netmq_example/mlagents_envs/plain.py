@@ -110,8 +110,9 @@ class Seen:
             return lambda part: as_picture(np.moveaxis(part, 3, 1) if self.channels_first else part)
         if leaf.dtype == np.float32 and leaf.shape:
             return lambda part: part
-        shape = -1, *(leaf.shape or (1,))
-        return lambda part: part.astype(np.float32).reshape(shape)
+        if leaf.shape:
+            return lambda part: part.astype(np.float32)
+        return lambda part: part.astype(np.float32).reshape(-1, 1)
 
 
 def is_picture(leaf: Any) -> bool:

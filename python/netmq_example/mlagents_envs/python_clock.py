@@ -197,10 +197,11 @@ class Behavior:
     def masks(self, section: Section, batch: Any) -> list[Any]:
         """In ML-Agents True is forbidden, in Gymnasium 0."""
         size = sum(self.branches)
-        block = batch[MASK].reshape(-1, size) == 0 if self.seen.masked else np.zeros((self.count, size), bool)
+        block = batch[MASK].reshape(-1, size) == 0 if self.seen.masked else scene_clock.all_allowed(self.count, size)
         for row, data in section.each_info() if section.table else ():
             info = info_in(data)
             if MASK in info:
+                block = block if block.flags.writeable else block.copy()
                 allowed = np.concatenate([np.ravel(part) for part in info[MASK]], axis=None)
                 if len(allowed) != size:
                     why = f"a mask of {self.name} has {size} choices, not {allowed!s:.80}"

@@ -117,24 +117,28 @@ class Behavior:
         except (TypeError, ValueError, KeyError) as error:
             raise MessageError("bad-kind", f"{self.name!a:.80} cannot be read: {error!s:.100}") from None
         self.pictures = [one["dtype"] == "uint8" for one in sensors]
+        # One array of floats alone, as most have, is read with fewer calls of numpy.
+        self.vector = specs[0].shape if self.pictures == [False] else ()
         self.turned = [not channels_first and spec.dimension_property == PICTURE for spec in specs]
         specs = [channels_last(spec) if turned else spec for spec, turned in zip(specs, self.turned, strict=True)]
         self.spec = base_env.BehaviorSpec(specs, base_env.ActionSpec(floats, branches))
 
     def written(self, action: ActionTuple) -> bytes:
+        if not self.choices:
+            return np.asarray(action.continuous, np.float32).tobytes()
         rows = np.empty(len(action.continuous), self.action)
         rows["floats"] = action.continuous
         rows["branches"] = action.discrete
         return rows.tobytes()
 
     def decisions(self, section: Section) -> DecisionSteps:
-        masks = None
+        masks, count = None, len(section.marks)
         if self.choices:
-            block = np.zeros((len(section.marks), self.choices), bool)
+            block = all_allowed(count, self.choices)
             if section.columns & records.MASKS:
-                if len(section.masks) != block.size:
+                if len(section.masks) != count * self.choices:
                     raise bad(f"masks of {self.name!a:.80} have {self.choices} choices")
-                block = np.frombuffer(section.masks, np.uint8).reshape(block.shape) > 0
+                block = np.frombuffer(section.masks, np.uint8).reshape(count, self.choices) > 0
             masks = branches_of(block, self.spec.action_spec.discrete_branches)
         ids, groups, group_rewards = self.who(section)
         return DecisionSteps(self.seen(section), rewards_of(section), ids, masks, groups, group_rewards)
@@ -158,6 +162,8 @@ class Behavior:
     def seen(self, section: Section) -> list[Any]:
         if len(section.values) != len(section.marks) * self.row.itemsize:
             raise MessageError("not-in-space", f"{len(section.values)} bytes are not those that {self.name!a:.80} sees")
+        if self.vector:
+            return [np.ndarray((len(section.marks), *self.vector), np.float32, section.values).copy()]
         # Of no sensors numpy reads no rows.
         rows: Any = np.frombuffer(section.values, self.row) if self.pictures else None
         seen = []
@@ -194,6 +200,14 @@ def no_groups(count: int) -> tuple[Any, Any]:
     groups, rewards = np.zeros(count, np.int32), np.zeros(count, np.float32)
     groups.flags.writeable = rewards.flags.writeable = False
     return groups, rewards
+
+
+@functools.cache
+def all_allowed(count: int, choices: int) -> Any:
+    """A mask that is everybody's as well."""
+    block = np.zeros((count, choices), bool)
+    block.flags.writeable = False
+    return block
 
 
 def branches_of(block: Any, branches: tuple[int, ...]) -> list[Any]:
