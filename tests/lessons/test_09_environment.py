@@ -12,7 +12,6 @@ import warnings
 import pytest
 
 from tests.conftest import CLIENTS, PYTHON
-from tests.lessons.conftest import simulated
 from tests.programs import ROOT, finished
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
@@ -121,26 +120,6 @@ def test_a_picture_shows_the_cart_where_it_is(env):
 
 
 # The car of lesson 08
-
-
-def test_the_car_is_one_more_environment(inside, make, launch):
-    """Lesson 10's tests drive it in both languages, to the last bit."""
-    wheres = {"socket": inside(simulated("Car")).socket}, {"launch": launch("csharp", "--world", "Car")}
-    for env in (make("NetMQExample/Car-v0", disable_env_checker=True, **where) for where in wheres):
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            check_env(env.unwrapped, skip_render_check=True, skip_close_check=True)
-        for state in (-1, -0.5, float("nan"), float("inf"), 2000):
-            with pytest.raises(MessageError, match="bad-state: the road has the points 0 to 1999"):
-                env.reset(options={"state": np.array([state])})
-        for state in (0, 1999):
-            env.reset(options={"state": [state]})
-        # Straight on, until it is beside the road.
-        metres, over, info = 0.0, False, {}
-        while not over:
-            seen, reward, over, _, info = env.step(np.array([0, 1], np.float32))
-            metres += reward
-        assert info["metres"] == pytest.approx(metres) and abs(seen[0]) > 1
 
 
 def test_the_car_may_see_pictures(make, launch):

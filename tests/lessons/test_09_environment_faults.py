@@ -263,24 +263,6 @@ def test_a_second_simulator_is_told_that_there_is_one(here):
     assert told == [{"code": "busy", "text": "this environment has its simulator: one at a time"}]
 
 
-def test_a_client_leaves_after_so_many_episodes(start, client_command, make):
-    """In Unity: the inspector's Count. Its environment has lost it, and waits for another one."""
-    socket = bound("tcp://127.0.0.1:*")
-    # Also where the client cannot be had: a context that is forgotten with an open socket waits for ever.
-    with socket.context, socket:
-        words = ["--count", "2", *PATIENT]
-        client = start(*client_command("unity", KEY, socket.getsockopt_string(zmq.LAST_ENDPOINT), *words))
-        env = make(socket=socket, disable_env_checker=True)
-        env.reset()
-        env.reset()
-        env.unwrapped.simulators.wait = 0.3
-        with pytest.raises(TimeoutError, match=r"no simulator came.*; the one before is lost: "):
-            env.reset()
-        assert client.wait() == 0
-        assert client.lines[-1].endswith("done: 2 episodes, 0 steps")
-        env.close()
-
-
 def test_by_hand_it_plays_without_python(start, client_command):
     """Nobody presses a key: the pole falls, and the next episode begins."""
     client = start(*client_command("unity", KEY, f"tcp://127.0.0.1:{free_port()}", "--byHand", "true"))

@@ -293,17 +293,6 @@ def test_who_leaves_when_its_time_is_up_is_seen_in_that_step(at_work):
     assert truncated.all() and [seen["ticks"].tolist() for seen in infos["final_obs"]] == [[1], [1]]
 
 
-def test_nothing_is_told_of_who_is_away(at_work):
-    envs = at_work(UnityVectorEnv, "ann ann", num_envs=2)
-    envs.reset(seed=1)
-    assert envs.step(("", "leave"))[3].tolist() == [False, True]
-    for _ in range(2):
-        _, rewards, terminated, truncated, _ = envs.step(("haunt", ""))
-        assert rewards[1] == 0 and not terminated.any() and not truncated.any()
-    _, rewards, terminated, *_ = envs.step(("recall", ""))
-    assert rewards[1] == 0 and not terminated.any()
-
-
 def test_who_comes_for_another_one_begins_when_python_knows_that_it_has_left(at_work):
     env = at_work(UnityParallelEnv, "ann bob")
     env.reset(seed=1)
@@ -328,10 +317,13 @@ def test_in_a_vector_who_is_away_has_no_rewards_and_no_ends(at_work):
     assert (rewards.tolist(), truncated.tolist()) == ([0.25, 0], [False, True])
     assert infos["lost"].tolist() == [None, "it has left the scene"]
     for _ in range(2):
-        seen, rewards, _, truncated, infos = envs.step(("", ""))
-        assert (rewards.tolist(), truncated.tolist(), seen["ticks"][1].tolist()) == ([0.25, 0], [False] * 2, [1])
+        # What is given to those who are away is told to nobody.
+        seen, rewards, terminated, truncated, infos = envs.step(("haunt", ""))
+        assert (rewards.tolist(), seen["ticks"][1].tolist()) == ([0.25, 0], [1])
+        assert not terminated.any() and not truncated.any()
         assert infos["_lost"].tolist() == [False, True]
-    seen, _, _, truncated, infos = envs.step(("recall", ""))
+    seen, rewards, terminated, truncated, infos = envs.step(("recall", ""))
+    assert rewards.tolist() == [0.25, 0] and not terminated.any()
     assert (truncated.any(), seen["ticks"].tolist(), "lost" in infos) == (False, [[5], [0]], False)
     assert envs.step(("", ""))[1].tolist() == [0.25, 0.25]
 

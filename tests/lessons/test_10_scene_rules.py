@@ -238,19 +238,13 @@ SAID = [
         give(reward=np.array([2.0]).view(OldArray)),
         "bad-reward: the reward of cod is OldArray([2.]), which is no number",
     ),
-    (give(reward=None), "bad-reward: the reward of cod is None, which is no number"),
     (give(reward=float("nan")), "bad-reward: the reward of cod is nan"),
     (give(reward=float("-inf")), "bad-reward: the reward of cod is -inf"),
     (give(info={"seen": {1, 2}}), "bad-tree: info 'seen' cannot be sent: set has no place in a message"),
     (give(info=[1]), "bad-info: an info is a dict, not [1]"),
     (give(info={"lost": 1}), "bad-info: these names are the environment's own: 'lost'; cod has it"),
-    (give(info={"a": 1, "_a": 2}), "bad-info: these names are the environment's own: '_a'; cod has it"),
     (lambda agent: agent.send_info({1}), "bad-tree: set has no place in a message"),
     (give(observe=lambda: None), "not-in-space: float32 () nan is not in Box(-100.0, 100.0, (2,), float32)"),
-    (
-        give(observe=lambda: [1, 2, 3]),
-        "not-in-space: float32 (3,) [1.0, 2.0, 3.0] is not in Box(-100.0, 100.0, (2,), flo",
-    ),
     (
         give(observe=lambda: [1, 101]),
         "not-in-space: float32 (2,) [1.0, 101.0] is not in Box(-100.0, 100.0, (2,), float32)",
@@ -302,7 +296,6 @@ def test_a_mistake_in_an_agent_is_told_in_one_line_and_it_goes_on(caplog):
     [
         ({"calls": [0, 1, 1]}, "it lacks 'floor'; the keys are calls, floor"),
         ({"calls": [0, 1, 1], "floor": 1, "door": 1}, "it has 'door'; the keys are calls, floor"),
-        ({"calls": [0, 1], "floor": 1}, "['calls']: int8 (2,) [0, 1] is not in MultiBinary(3)"),
         ({"calls": None, "floor": 1}, "['calls']: object () None is not in MultiBinary(3)"),
         ({"calls": [0, 1, 1], "floor": 7}, "['floor']: int64 () 7 is not in Discrete(3)"),
     ],
