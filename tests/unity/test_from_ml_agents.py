@@ -231,9 +231,12 @@ def test_the_inference_package(package, move, project):
 
 def test_an_inference_package_that_is_used_stays(move, project):
     own = "using Unity.Barracuda;\nclass A { IWorker worker; NNModel model; }\n"
-    put(project, {"Assets/Own.cs": own})
+    # As a helper does that ML-Agents' examples brought into many projects.
+    loads = "using Unity.Sentis;\nclass B { ModelAsset model; ModelAssetData data; }\n"
+    put(project, {"Assets/Own.cs": own, "Assets/Loads.cs": loads})
     said = move()
     assert (project / "Assets" / "Own.cs").read_text() == own
+    assert (project / "Assets" / "Loads.cs").read_text() == loads
     assert "com.unity.barracuda" in (project / "Packages" / "manifest.json").read_text()
     assert "Assets/Own.cs: it uses com.unity.barracuda, which stays" in said
 
