@@ -42,7 +42,8 @@ namespace NetMQExample.MLAgents
                     Debug.LogWarning($"trouble: the program at {endpoint} speaks no ZeroMQ, and Heuristic decides; to "
                         + "train, start python -m netmq_example.mlagents_learn in place of mlagents-learn");
                 else
-                    Debug.Log($"no Python at {endpoint}: Heuristic decides; to train, start Python before you press Play");
+                    Debug.Log(
+                        $"no Python at {endpoint}: Heuristic decides; to train, start Python before you press Play");
                 return null;
             }
             var made = new SceneConnection();

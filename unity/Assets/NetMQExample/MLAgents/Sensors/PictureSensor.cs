@@ -65,8 +65,11 @@ namespace NetMQExample.MLAgents.Sensors
             {
                 // Unity's lowest row is the first one.
                 var at = 4 * ((height - 1 - to / width) * width + to % width);
-                if (picture.Length == size) picture[to] = (byte)((pixels[at] + pixels[at + 1] + pixels[at + 2] + 1) / 3);
-                else for (var channel = 0; channel < 3; channel++) picture[channel * size + to] = pixels[at + channel];
+                if (picture.Length == size)
+                    picture[to] = (byte)((pixels[at] + pixels[at + 1] + pixels[at + 2] + 1) / 3);
+                else
+                    for (var channel = 0; channel < 3; channel++)
+                        picture[channel * size + to] = pixels[at + channel];
             }
         }
     }
@@ -112,6 +115,7 @@ namespace NetMQExample.MLAgents.Sensors
         public RenderTextureSensor(
             RenderTexture renderTexture, bool grayscale, string name, SensorCompressionType compressionType)
             : base(name, Require.Given("renderTexture", renderTexture), grayscale, compressionType,
-                ObservationType.Default) { }
+                ObservationType.Default)
+        { }
     }
 }
