@@ -41,16 +41,6 @@ def env(kind, kept, launch):
 # An environment like any other
 
 
-def test_gymnasiums_checker_finds_nothing(launch):
-    """It makes more of them by itself, and closes them. Its films would wait for a view."""
-    env = gymnasium.make(ID, launch=launch("csharp"))
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        # It says so of any environment that has a wrapper.
-        warnings.filterwarnings("ignore", ".*is different from the unwrapped version.*")
-        check_env(env, skip_render_check=True)
-
-
 def lean(seen, step):
     """Push the cart to where the pole falls."""
     return int(seen[2] + seen[3] > 0)

@@ -196,7 +196,7 @@ def test_a_server_that_is_back_before_a_step_is_over_hears_hello_first(kind, sta
             router.linger, router.rcvtimeo = 0, int(1000 * LIMIT)
             router.bind(endpoint)
             if requests:
-                start(*client_command(kind, "17_many_machines", endpoint, "--delay", "4", *PATIENT))
+                start(*client_command(kind, "17_many_machines", endpoint, "--delay", "2", *PATIENT))
             peer, *hello = router.recv_multipart()
             assert Message.read(hello).kind == "hello"
             for request in requests:

@@ -248,14 +248,6 @@ def test_a_seed_that_no_simulator_could_read_is_named(areas):
     assert len(envs.np_random) == 3
 
 
-def test_it_may_be_closed_twice(areas, game):
-    envs = areas()
-    for each in envs, game:
-        each.close()
-        each.close()
-        assert [request.kind for request in each.simulator.asked].count("close") == 1
-
-
 def test_what_version_0_3_called_otherwise():
     for name in "GymEnv", "VectorEnv", "ParallelEnv":
         with pytest.warns(DeprecationWarning, match=f" is Unity{name} now"):

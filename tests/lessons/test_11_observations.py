@@ -222,14 +222,6 @@ def test_sixteen_are_each_what_one_alone_is(make, world):
             assert all(same(mine[agent], its) for mine, its in zip(seen, alone, strict=True)), (name, agent)
 
 
-def test_spaces_of_attributes_that_csharp_says_may_not_be_said_otherwise(make, world):
-    other = spaces.Dict({**WHAT.spaces, "ticks": spaces.Discrete(9)})
-    with pytest.raises(MessageError, match=r"^wrong-scene: the observation of sure is .* here, at \['ticks'\]$"):
-        make(env_name="World", launch=world("sure"), observation_space=other)
-    with pytest.raises(MessageError, match=r"^wrong-scene: nobody says what the observation of a is: "):
-        make(env_name="World", launch=world("a"))
-
-
 @pytest.fixture(scope="module")
 def one_world(world):
     env = gymnasium.make("NetMQExample/Unity-v0", env_name="World", agent_name="a", launch=world("a", "b"), **GIVEN)

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import importlib
 import itertools
+import signal
 import sys
 import time
 from pathlib import Path
@@ -307,3 +308,12 @@ def test_a_slow_python_makes_the_game_skip(serve, start, client_command, tmp_pat
     assert 2 <= int(line[1]) <= 40 and int(line[2]) >= 5
     # What is shown longest is what came before many that were skipped.
     assert max(shown(tmp_path / "slow.webm")[1]) >= 200
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no Ctrl-C for another program")
+def test_ctrl_c_does_not_wait_for_python(start, client_command, filmer):
+    client = start(*client_command("python", KEY, filmer.endpoint, "--timeout", "600"))
+    # Which is never answered.
+    filmer.next("hello")
+    assert client.stop(signal.SIGINT) == 1
+    assert client.lines[-1] == "stopped"
