@@ -85,7 +85,7 @@ def test_who_is_lost_at_the_reset_as_well_begins_once_more(areas, monkeypatch):
     for each in others, envs:
         seen, _ = each.reset(seed=1)
     ask, fates = envs.simulators.ask, ["lost", "lost", "answered", *3 * ["lost"]]
-    monkeypatch.setattr(envs.simulators, "find", lambda accept: None)
+    monkeypatch.setattr(envs.simulators, "find", lambda *_: None)
 
     def lossy(*request):
         if fates.pop(0) == "lost":
