@@ -95,7 +95,7 @@ class Team(scene_clock.Behavior):
             row.new = not row.here and row in asking
             row.here = row in asking
         if len(asking) < len(self.rows):
-            # Whoever has left never comes again by this id.
+            # An agent that has left never comes again by this id.
             self.ids = {agent: row for agent, row in self.ids.items() if row.here}
 
     def kind(self, at: int, first: int) -> Kind:
@@ -173,7 +173,7 @@ class Decisions:
         self.asked = simulators.ask
         simulators.ask = self.ask
         self.teams: list[Team] = []
-        # What side channels have said in this step.
+        # Side channels have said this in the step.
         self.heard = b""
 
     def begin(self, hello: Message) -> SceneHello:

@@ -2,7 +2,7 @@
 
 Its agents are those that wanted an action or have ended in the last step, each `Behavior?team=0?agent_id=3`. An agent
 that has ended and began anew in the same step is shown at its end first, and wants an action again after the next step.
-Agents with choices see {"observation": …, "action_mask": …}: an array for each branch, in which True is forbidden, as in
+Agents with choices see {"observation": …, "action_mask": …}: an array for each branch, in which True is forbidden as in
 ML-Agents' steps. PettingZoo's own environments have it the other way round.
 """
 
