@@ -2,10 +2,7 @@
 
 import os
 import signal
-import sys
 from types import SimpleNamespace
-
-import pytest
 
 from kitlib import reload
 from tests.conftest import PYTHON
@@ -32,13 +29,6 @@ def test_an_editor_that_writes_in_steps_starts_it_once(tmp_path, monkeypatch):
     running = SimpleNamespace(poll=lambda: None)
     assert reload.wait_for_reason([tmp_path], reload.files([tmp_path]), running) == "server.py saved"
     assert len(steps) == 1, "as soon as it is whole"
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="not everybody may make a link there")
-def test_a_file_that_cannot_be_looked_at_ends_nothing(tmp_path):
-    (tmp_path / "server.py").write_text("1")
-    (tmp_path / "loop.py").symlink_to("loop.py")
-    assert [path.name for path in reload.files([tmp_path])] == ["server.py"]
 
 
 @finds_processes

@@ -343,11 +343,3 @@ def test_what_a_strange_server_says_of_a_job_is_one_line(side, context, runs):
         assert len(run.lines) < 6
     # Numbers have the same limits in every client.
     assert [run.code for run in found[-3:]] == [2, 2, 2]
-
-
-def test_the_share_of_a_job_is_between_0_and_1():
-    def feedback(done, total):
-        return progress.share(Message("feedback", 1, {"done": done, "total": total, "text": ""}))
-
-    assert [feedback(*each) for each in [(0, 4), (1, 4), (1, 1), (0, 0), (9, 4)]] == [0.0, 0.25, 1.0, 0.0, 1.0]
-    assert progress.share(Message("result", 1, {"done": 1, "total": 1})) is None

@@ -27,7 +27,6 @@ from tests.programs import LIMIT, PATIENT, ROOT, Program, steady_endpoint
 aiohttp = pytest.importorskip("aiohttp", reason="lesson 16 needs aiohttp: kit.py run 16 installs it")
 web = pytest.importorskip("aiohttp.web")
 socketio = pytest.importorskip("socketio", reason="lesson 16 needs python-socketio: kit.py run 16 installs it")
-from netmq_example.web.requester import WebRequester  # noqa: E402
 
 KEY = "16_web_gateway"
 FOLDER = ROOT / "python" / KEY
@@ -250,27 +249,6 @@ def test_a_page_of_a_stranger_does_not_come_in(serve):
     said = [line for line in gateway.lines if line.startswith("refused")]
     assert said[: len(may_not)] == [why.format(page) for page in may_not]
     assert len(said) == 20, "a flood of lines"
-
-
-def test_a_timeout_holds_whatever_swallows_its_cancel():
-    """As asyncio.wait_for of Python 3.11 does, in which Socket.IO connects. A gateway that is full is asked again."""
-    tries = 0
-
-    class Swallowing(WebRequester):
-        async def connect(self):
-            nonlocal tries
-            tries += 1
-            assert tries < 5
-            with contextlib.suppress(asyncio.CancelledError):
-                await asyncio.sleep(LIMIT)
-            raise ConnectionError("it is full")
-
-        async def close(self):
-            pass
-
-    with pytest.raises(TimeoutError, match=r"within 0\.1 s; is the server running\? \(it is full\)$"):
-        asyncio.run(Swallowing("http://127.0.0.1:1", "hello", timeout=0.1).request("Hello"))
-    assert tries == 1
 
 
 def test_a_name_that_is_too_long_and_keys_that_are_none_are_named(runs, tmp_path):

@@ -21,7 +21,6 @@ KEY = "17_many_machines"
 TRAIN = ROOT / "python" / KEY / "train.py"
 import netmq_example.envs  # noqa: E402, F401
 from netmq_example import messages  # noqa: E402
-from netmq_example.fleet.members import Episode, Member, Part  # noqa: E402
 from netmq_example.fleet.trainer import FleetSocket  # noqa: E402
 from netmq_example.security import keys  # noqa: E402
 from netmq_example.wire.records import ANSWERS, ASKS, RESET, STEP, Record, Section, read  # noqa: E402
@@ -215,16 +214,6 @@ def test_an_episode_that_is_lost_while_another_begins_is_begun_anew():
     # Lesson 09 has a train.py as well.
     train = runpy.run_path(str(TRAIN))
     assert train["play"](Lost(), 3) == [2, 3, 2]
-
-
-def test_deaths_by_chance_are_not_taken_for_what_ends_each_simulator():
-    begun = Episode(Part(bytes(80), [(0, 1)], True), lambda: None)
-    for number, done in enumerate([*(i % 5 for i in range(40)), *[7] * 9]):
-        run = Member(number, "CartPole", lambda frames: True)
-        run.lease(begun)
-        run.done = done
-        begun.lost_by(run)
-        assert begun.lost == (1 if number < 40 else number - 39)
 
 
 # Keys, and how a hub is found

@@ -10,7 +10,6 @@ import itertools
 import re
 import sys
 import time
-from types import SimpleNamespace
 
 import pytest
 import zmq
@@ -80,17 +79,6 @@ def test_a_recording_of_ones_own_is_played_over_and_over(serve, tmp_path):
             pose = listener.receive(100)
             assert len(pose.landmarks) == (0 if pose.number % 2 else 33)
             numbers.add(pose.number)
-
-
-def test_a_picture_is_played_when_it_is_due():
-    """The last one as long as the one before it; then comes the first."""
-    pictures = [(0.0, ["a"]), (0.2, ["b"]), (0.2, ["c"])]
-    begin, playing = time.monotonic(), people.play(pictures)
-    times = []
-    for expected in ("a", "b", "c", "a"):
-        assert next(playing) == ([expected], {})
-        times.append(time.monotonic() - begin)
-    assert times[1] >= 0.2 and times[3] >= 0.202
 
 
 HEADER = ",".join(people.HEADER) + "\n"
@@ -345,14 +333,6 @@ def test_a_film_is_watched_to_its_end_and_a_stream_as_long_as_it_lasts(webcam, s
     words = ["--endpoint", "tcp://127.0.0.1:0", "--model", "model.task", "--camera", "walk.mp4"]
     server = start(PYTHON, LESSON / "server.py", *words, folder=webcam, PYTHONPATH=str(webcam))
     assert server.wait() == 0 and server.lines[-1] == "the film is over", server.output
-
-
-def test_a_newcomer_takes_nobodys_place():
-    """MediaPipe lists the newcomer first, and it stands close to the other one."""
-    marks = {x: [SimpleNamespace(x=x, y=0.5, z=0.0, visibility=0.9) for _ in range(33)] for x in (0.2, 0.4)}
-    listed = SimpleNamespace(pose_landmarks=[marks[0.4], marks[0.2]], pose_world_landmarks=[marks[0.4], marks[0.2]])
-    people, places = camera.in_order(listed, [(0.2, 0.5), None])
-    assert [body[0][0] for body in people] == [0.2, 0.4] and places == [(0.2, 0.5), (0.4, 0.5)]
 
 
 def test_hands_have_topics_of_their_own(webcam, start, connect):

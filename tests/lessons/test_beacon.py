@@ -9,7 +9,7 @@ import threading
 
 import pytest
 
-from netmq_example.beacon import BeaconSearch, answering
+from netmq_example.beacon import answering
 from netmq_example.errors import Error
 from tests.conftest import CLIENTS, PYTHON
 from tests.machines import HUB
@@ -192,14 +192,3 @@ def test_a_beacon_answers_its_own_question_and_nothing_else():
     with answering("lab", f"tcp://0.0.0.0:{port}"):
         pass
     assert not [thread for thread in threading.enumerate() if "beacon" in thread.name]
-
-
-def test_a_search_begins_anew_after_an_answer():
-    port = free_port()
-    search = BeaconSearch(f"beacon://lab:{port}")
-    assert search.find(0) == "" and search.cure("x") != "x"
-    for _ in range(2):
-        with answering("lab", f"tcp://0.0.0.0:{port}"):
-            assert search.find(LIMIT) == f"tcp://127.0.0.1:{port}"
-        assert search.cure("x") == "x"
-    assert BeaconSearch("tcp://here:1").find(0) == "tcp://here:1"

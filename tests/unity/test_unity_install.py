@@ -378,10 +378,8 @@ def test_the_dlls_go_where_netmq_comes_from_elsewhere(project, nuget, capsys):
     ("theirs", "ours"),
     [
         (DEFAULT, None),
-        (DEFAULT_6, None),
         (FOR_ONE, None),
         (FOR_BUILDS, (0, 1)),
-        (FOR_EDITOR, (1, 0)),
         (FOR_EDITOR_6, (1, 0)),
         ("  isOverridable: 1\n" + DEFAULT, (1, 1)),
         (CONSTRAINT + DEFAULT, (1, 1)),

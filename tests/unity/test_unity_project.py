@@ -19,7 +19,6 @@ from tests.programs import ROOT
 from tests.unity.conftest import PREFAB
 
 UNITY = ROOT / "unity"
-HERE = ROOT / "tests" / "unity"
 SCENES = sorted(PACKAGE.rglob("*.unity"))
 MANIFESTS = (UNITY / "Packages" / "manifest.json", PACKAGE / "package.json")
 # The assemblies of Unity's test framework, and of a package that may be there.
@@ -196,13 +195,16 @@ PLAIN = (
     "Rect|Bounds|LayerMask|AnimationCurve|Gradient|UnityEvent(<.*>)?"
 )
 ALONE = "Awake|Start|(Fixed|Late)?Update|On(Enable|Disable|Destroy|GUI|Validate|ApplicationQuit)|Reset"
-# Of each type of Unity that a script may use: its kind, its name, its base class, and where Unity declares it.
-FACTS = re.findall(
-    r"^(\w+) (?:\w+\.)*(\w+)(?:`\d)?(?: : (\w+))?    (.+)$",
-    (HERE / "unity_api.txt").read_text(encoding="utf-8"),
-    re.M,
-)
-BASES = {name: base for kind, name, base, _ in FACTS if kind == "class"}
+# Of each class of Unity's that a script may use here: its base class.
+BASES = {
+    name: base
+    for path in (ROOT / "csharp-support" / "unity-player" / "UnityEngine").glob("*.cs")
+    for name, base in re.findall(
+        r"^ *public (?:sealed |abstract |static |partial )*class (\w+)(?:<[^>]*>)?(?: : (?:\w+\.)*(\w+))?",
+        path.read_text("utf-8"),
+        re.M,
+    )
+}
 # A constructor of a component may call none of these, and neither may what its fields begin with.
 ENGINE = {name for name in BASES if not re.search("Attribute$|UnityEvent", name)} | {"FindObjectOfType", "Instantiate"}
 

@@ -28,7 +28,6 @@ from tests.lessons.test_16_web_gateway_tap import tapped
 pytestmark = pytest.mark.xdist_group("chromium")
 ARROWS = "[...document.querySelectorAll('.arrow')]"
 TEXTS = f"{ARROWS}.map(each => [each.classList[1], each.querySelector('b').textContent])"
-WIDTHS = "[document.documentElement.scrollWidth, innerWidth]"
 
 
 @pytest.fixture
@@ -187,23 +186,6 @@ def test_an_arrow_opens_by_the_keyboard_as_what_it_is(opened, open_page):
     seen.wait_for("document.querySelectorAll('.inside').length === 2")
     assert "00 fe ff" in seen.evaluate("[...document.querySelectorAll('.inside')].at(-1).innerText")
     assert seen.errors == []
-
-
-def test_it_fits_a_phone_and_has_names(opened, open_page):
-    """In its dark colours; whatever takes the focus has a name."""
-    page, _ = opened
-    seen = open_page(page, width=390, dark=True)
-    seen.wait_for(f"{ARROWS}.length === 3")
-    seen.evaluate(f"{ARROWS}[1].click()")
-    seen.wait_for("!!document.querySelector('.inside canvas')")
-    scroll, inner = seen.evaluate(WIDTHS)
-    assert scroll <= inner
-    background = seen.evaluate("getComputedStyle(document.documentElement).backgroundColor")
-    assert sum(map(int, re.findall(r"\d+", background))) < 200
-    tree = seen.call("Accessibility.getFullAXTree")["nodes"]
-    kinds = ("button", "combobox", "searchbox", "link", "slider")
-    named = [each["name"]["value"] for each in tree if each.get("role", {}).get("value") in kinds]
-    assert len(named) > 10 and all(named), named
 
 
 def test_a_saved_recording_plays_without_a_server(opened, tmp_path, open_page):

@@ -111,22 +111,6 @@ def test_the_page_shows_pictures_in_their_own_colours(gateway, camera, open_page
     assert red > 10_000, "no red picture on the page"
 
 
-def test_the_page_on_a_phone_and_by_keyboard(gateway, open_page):
-    page = open_page(gateway, width=390, dark=True)
-    page.wait_for(f"{state('hello')} === 'connected'")
-    assert page.evaluate("document.documentElement.scrollWidth") <= 390
-    for field in ("hello-text", None, "background-text", None, "replies"):
-        page.press("Tab")
-        assert page.evaluate("document.activeElement.id || null") == field
-        if field is None:
-            page.press("Enter")
-    page.wait_for("document.querySelectorAll('#replies li').length === 2")
-    colours = page.evaluate(
-        "[getComputedStyle(document.body).color, getComputedStyle(document.documentElement).colorScheme]"
-    )
-    assert colours == ["rgb(255, 255, 255)", "light dark"]
-
-
 def test_a_server_and_a_gateway_that_are_killed_and_a_page_from_elsewhere_that_may_come_in(
     serve, behind, open_page, elsewhere
 ):

@@ -8,13 +8,10 @@ using System.Diagnostics;
 using System.IO;
 using System.Linq;
 using System.Reflection;
-using System.Text.RegularExpressions;
 using System.Threading;
 using System.Threading.Tasks;
 using NetMQ;
 using NetMQ.Sockets;
-using UnityEngine;
-using UnityPlayer;
 using Random = System.Random;
 
 namespace NetMQExample.Tests
@@ -27,7 +24,7 @@ namespace NetMQExample.Tests
         {
             var checks = new Action<string>[]
             {
-                AllocatesNothing, Ask, Asleep, Await, Cancelled, Cleanup, Forgotten, Hud, ListenerStops, LookUp, Nested,
+                AllocatesNothing, Ask, Asleep, Await, Cancelled, Cleanup, Forgotten, ListenerStops, LookUp, Nested,
                 NeverPolled, NoSocket, OneAfterAnother, Randomly, Refusal, State, StopAnswered, Stuck, Throwing, Why,
                 Within,
             }.ToDictionary(check => check.Method.Name);
@@ -493,73 +490,6 @@ namespace NetMQExample.Tests
             using var listener = new TopicListener(endpoint, "");
             using var stop = new CancellationTokenSource(200);
             Throws<OperationCanceledException>(() => listener.Receive(TimeSpan.FromSeconds(20), stop.Token));
-        }
-
-        // A player in Unity sees the display, first on a TextMesh and then in the corner, until the client is switched
-        // off.
-        private static void Hud(string endpoint)
-        {
-            foreach (var headset in new[] { true, false })
-            {
-                var player = new Player(typeof(NetMQLifetime).Assembly);
-                var (replies, logged, longest, frames) = (0, new List<string>(), 0f, 0);
-                void Log(string line, string stack, LogType type) => logged.Add(line);
-                Application.logMessageReceived += Log;
-                HelloBackground hello = null;
-                HelloWorldHud hud = null;
-                TextMesh mesh = null;
-                player.Begin(() =>
-                {
-                    var thing = new GameObject("hud");
-                    thing.SetActive(false);
-                    hello = thing.AddComponent<HelloBackground>();
-                    Inspector.Set(new MonoBehaviour[] { hello }, "endpoint", endpoint);
-                    Inspector.Set(new MonoBehaviour[] { hello }, "count", "1000000");
-                    hello.Replied += _ => replies++;
-                    if (headset) mesh = thing.AddComponent<TextMesh>();
-                    hud = thing.AddComponent<HelloWorldHud>();
-                    Equal("disconnected", hello.State);
-                    thing.SetActive(true);
-                });
-                // The time before the first frame is none's.
-                Thread.Sleep(300);
-                void Frame()
-                {
-                    player.Frame();
-                    if (frames++ > 0) longest = Math.Max(longest, Time.unscaledDeltaTime);
-                }
-                var shown = new List<(string Text, float Second, int Replies)>();
-                Until(() =>
-                {
-                    Frame();
-                    if (shown.Count == 0 || shown[^1].Text != hud.Text)
-                        shown.Add((hud.Text, Time.realtimeSinceStartup, hello.Client.Replies));
-                    return shown.Count >= 4 && shown[^1].Replies > shown[^2].Replies + 3;
-                });
-                var ((_, before, first), (_, now, last)) = (shown[^2], shown[^1]);
-                Check(now - before > 0.4, "drawn anew in each frame");
-                var parts = Regex.Match(hud.Text, @"^Connected\nround trip \d+[.,]\d ms\n(\d+) messages a second\n$");
-                Check(parts.Success, hud.Text);
-                // A reply may have come since the text was made.
-                var rate = (last - first) / (now - before);
-                Check(Math.Abs(int.Parse(parts.Groups[1].Value) - rate) < 5 + rate / 4,
-                    $"{hud.Text}, and it was {rate}");
-                Equal(headset, mesh?.text == hud.Text);
-                Equal(!headset, Player.Drawn == hud.Text);
-                Check(Regex.IsMatch(hello.State, @"^Connected, round trip \d+\.\d ms$"), hello.State);
-                Check(!hud.useGUILayout, "IMGUI's layout costs memory in each frame");
-                hello.enabled = false;
-                var heard = replies;
-                Frame();
-                var said = FormattableString.Invariant($"frames: {frames}, the longest took {longest * 1000:F0} ms");
-                for (var i = 0; i < 5; i++) Frame();
-                Equal(said, logged[^1]);
-                Equal("disconnected", hello.State);
-                Equal((heard, heard), (replies, logged.Count(line => line.Contains(": sent hello, received world"))));
-                player.Stop();
-                Application.logMessageReceived -= Log;
-                Equal(0, player.Errors);
-            }
         }
 
         // Neither an idle client nor one that waits for a reply may use the processor.
