@@ -6,7 +6,7 @@ Nothing is written before everything is at hand and nothing stands in the way: a
 import json
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Set
 from pathlib import Path
 
 from kitlib.files import digest, news, place, put
@@ -104,14 +104,7 @@ def add_packages(root: Path, needed: dict[str, str], there: Inventory) -> None:
     try:
         if path.exists() and not os.access(path, os.W_OK):
             raise PermissionError("it is read-only")
-        old = path.read_bytes().decode()
-        indent = re.search(r"^([ \t]+)\S", old, re.MULTILINE)
-        manifest = json.loads(old.removeprefix("\ufeff"))
-        manifest.setdefault("dependencies", {}).update(wanted)
-        text = json.dumps(manifest, indent=indent[1] if indent else 2, ensure_ascii=False)
-        text = text + "\n" if old.endswith("\n") else text
-        text = "\ufeff" * old.startswith("\ufeff") + text.replace("\n", "\r\n" if "\r\n" in old else "\n")
-        put(path, text.encode())
+        put(path, with_packages(path.read_bytes().decode(), wanted).encode())
     except OSError as error:
         names = ", ".join(wanted)
         why = error.strerror or error
@@ -122,6 +115,17 @@ def add_packages(root: Path, needed: dict[str, str], there: Inventory) -> None:
     for copy in there.copies:
         if JSON[0] in wanted and copy.name == JSON_DLL and copy.parts and copy.where.startswith("Assets/"):
             say(f"delete {copy.where}: a game needs JSON in the editor and in builds, and of {JSON[0]} it has both")
+
+
+def with_packages(old: str, wanted: dict[str, str], removed: Set[str] = frozenset()) -> str:
+    """A manifest that names other packages, with its own look."""
+    indent = re.search(r"^([ \t]+)\S", old, re.MULTILINE)
+    manifest = json.loads(old.removeprefix("\ufeff"))
+    named = manifest.get("dependencies", {})
+    manifest["dependencies"] = {name: version for name, version in named.items() if name not in removed} | wanted
+    text = json.dumps(manifest, indent=indent[1] if indent else 2, ensure_ascii=False)
+    text = text + "\n" if old.endswith("\n") else text
+    return "\ufeff" * old.startswith("\ufeff") + text.replace("\n", "\r\n" if "\r\n" in old else "\n")
 
 
 def write(root: Path, files: dict[str, bytes], force: bool, dlls: bool) -> None:

@@ -4,7 +4,6 @@ Each function takes a file's text and returns its edits, and lines for a person:
 """
 
 import functools
-import json
 import re
 import tomllib
 from collections import Counter
@@ -249,17 +248,3 @@ def without_entry(text: str, begin: int, end: int) -> Edit:
     elif text[:begin].rstrip().endswith(","):
         begin -= space + 1
     return Edit(begin, text[begin:end], "")
-
-
-def manifest(text: str, names: set[str], kept: dict[str, str]) -> str:
-    """The project's manifest without these packages, and with others in the place of the first; otherwise as it was."""
-    new = [f"{json.dumps(name)}: {json.dumps(version)}" for name, version in kept.items()]
-    for name in sorted(names & json.loads(text.removeprefix("\ufeff")).get("dependencies", {}).keys()):
-        found = re.search(rf'(\s*)"{re.escape(name)}"\s*:\s*"(?:\\.|[^"\\])*"', text)
-        if found and new:
-            text = f"{text[: found.end(1)]}{f',{found[1]}'.join(new)}{text[found.end() :]}"
-            new = []
-        elif found:
-            edit = without_entry(text, found.end(1), found.end())
-            text = text[: edit.at] + text[edit.at + len(edit.old) :]
-    return text

@@ -6,7 +6,6 @@ It changes text files of the project's own and writes down each change, by which
 import json
 import os
 import re
-from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -15,8 +14,8 @@ from kitlib.files import place
 from kitlib.lessons import KIT, KitError, read_json
 from kitlib.terminal import say
 from kitlib.unity import ml_agents
-from kitlib.unity.edits import Edit, applied, checksum, decoded, difference, encoded, reversed_
-from kitlib.unity.install import RECORD, delete, install, prepare
+from kitlib.unity.edits import Edit, applied, checksum, decoded, difference, reversed_
+from kitlib.unity.install import RECORD, delete, install, prepare, with_packages
 from kitlib.unity.inventory import TARGET, Inventory, dependencies
 from kitlib.unity.leaving import Leaving, leaving, left_behind
 from kitlib.unity.meta import own_guid
@@ -41,7 +40,6 @@ class Plan:
         self.root = root
         self.edits: dict[str, list[Edit]] = {}
         self.left: list[str] = []
-        self.components: Counter[str] = Counter()
         self.lines: list[str] = []
         self.notes_of_lfs: list[str] = []
         self.guids = ml_agents.guids(root)
@@ -87,7 +85,6 @@ class Plan:
             count = found.components.total() or len(found.edits)
             plural = "s" if count > 1 else ""
             self.lines.append(f"{name}: {count} {what}{plural}{f' ({parts})' if parts else ''}")
-        self.components += found.components
         for note in sorted(found.notes):
             line = text.count("\n", 0, note.at) + 1
             self.left.append(f"{name}:{line}: {note.text}")
@@ -121,7 +118,7 @@ class Plan:
         edits = dict(self.edits)
         if MANIFEST in before:
             data = (root / MANIFEST).read_bytes()
-            files[MANIFEST] = encoded(ml_agents.manifest(decoded(data), removed, kept), data)
+            files[MANIFEST] = with_packages(data.decode(), kept, removed).encode() if removed else data
             edits[MANIFEST] = difference(before[MANIFEST], files[MANIFEST])
         entries = {
             name: {"before": checksum(before[name]), "after": checksum(data), "edits": edits[name]}

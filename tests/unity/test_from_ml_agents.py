@@ -257,24 +257,16 @@ def test_assembly_definitions(move, project):
     assert "Assets/C/C.asmdef:1: the kit has no assembly Unity.ML-Agents.Extensions" in said
 
 
-@pytest.mark.parametrize(
-    ("before", "after"),
-    [
-        ('{\n  "dependencies": {\n    "com.unity.ml-agents": "1.0.8"\n  }\n}', '{\n  "dependencies": {\n  }\n}'),
-        (
-            '{\r\n\t"dependencies": {\r\n\t\t"a": "1",\r\n\t\t"com.unity.ml-agents": "file:../x"\r\n\t}\r\n}',
-            '{\r\n\t"dependencies": {\r\n\t\t"a": "1"\r\n\t}\r\n}',
-        ),
-        (
-            '\ufeff{"dependencies": {"com.unity.ml-agents": "1", "com.unity.sentis": "1", "b": "2"}}',
-            '\ufeff{"dependencies": {"b": "2"}}',
-        ),
-    ],
-)
-def test_the_manifest_keeps_its_look(before, after):
-    names = {"com.unity.ml-agents", "com.unity.sentis", "not.there"}
-    text = ml_agents.manifest(before, names, {})
-    assert re.sub(r"\{\s*\}", "{}", text) == re.sub(r"\{\s*\}", "{}", after)
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+@pytest.mark.parametrize("indent", ["  ", "\t"])
+def test_the_manifest_keeps_its_look(indent, end, move, project):
+    lines = ["{", '_"dependencies": {', '__"com.unity.ml-agents": "file:../x",', '__"größe": "1"', "_}", "}"]
+    text = "\ufeff" + end.join(lines).replace("_", indent)
+    put(project, {"Packages/manifest.json": text})
+    move()
+    after = (project / "Packages" / "manifest.json").read_bytes().decode()
+    kept = text.replace(f'{indent * 2}"com.unity.ml-agents": "file:../x",{end}', "")
+    assert after.startswith(kept.partition('"1"')[0]) and after.endswith(f"{end}{indent}}}{end}}}")
 
 
 def test_what_ml_agents_brought_and_the_project_uses_is_named(move, project):
