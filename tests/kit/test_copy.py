@@ -151,19 +151,3 @@ def test_a_module_or_a_folder_of_the_package_is_copied(tmp_path, capsys):
 
     copied("netmq_example", tmp_path)
     assert (tmp_path / "netmq_example" / "py.typed").exists()
-
-
-def test_the_csharp_side_is_read_from_its_sources(tmp_path, capsys):
-    """test_without_unity.py compiles all of it."""
-    copied("1", tmp_path, "--csharp")
-    found = {path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*.cs")}
-    # No component, and nothing of other lessons.
-    assert {"01_request_reply/HelloRequester.cs", "Shared/NetMQLifetime.cs"} <= found
-    assert {name.split("/")[0] for name in found} == {"01_request_reply", "Shared"}
-    assert not {"01_request_reply/HelloClient.cs", "Shared/NetworkBehaviour.cs"} & found
-    assert len(found) <= 6, "a first client stands on five files"
-    assert "kit    | needs: NetMQ; " in capsys.readouterr().out
-    copied("16", tmp_path, "--csharp")
-    # It has no ZeroMQ. What is for browsers alone, a DLL of JavaScript, stays away.
-    assert "kit    | needs: Newtonsoft.Json; " in capsys.readouterr().out
-    assert not (tmp_path / "16_web_gateway" / "BrowserConnection.cs").exists()

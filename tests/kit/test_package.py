@@ -7,7 +7,6 @@ import zipfile
 import pytest
 
 from kitlib import imports
-from kitlib.lessons import lessons
 from kitlib.setup import python_setup
 from tests.conftest import PYTHON
 from tests.programs import ROOT, finished
@@ -98,25 +97,3 @@ def test_every_package_that_is_imported_is_in_pyproject_toml():
     known = {python_setup.module(python_setup.name(need)) for need in python_setup.needs(*python_setup.all_extras())}
     # Engine.IO is the half of Socket.IO that python-socketio brings along, as MediaPipe does OpenCV.
     assert imports.packages(sorted((ROOT / "python").rglob("*.py"))) - known == {"engineio", "cv2"}
-
-
-def test_what_a_lesson_needs_is_read_from_its_imports():
-    wanted = {
-        1: [],
-        # Array.numpy imports it only when it is called, as the server does.
-        5: ["numpy"],
-        10: ["numpy", "gymnasium", "pettingzoo"],
-        # messages.py is there too, and nothing calls Array.numpy.
-        14: [],
-        16: ["aiohttp", "python-socketio"],
-        # One of its programs is for Ray, which `kit.py run` does not start.
-        17: ["numpy", "gymnasium"],
-        # Finding persons before a webcam is one of its server's two sources.
-        20: [],
-    }
-    found = {lesson.number: python_setup.needs(lesson.key) for lesson in lessons()}
-    assert {number: [*map(python_setup.name, found[number])] for number in wanted} == {
-        number: ["pyzmq", *needs] for number, needs in wanted.items()
-    }
-    parts = {lesson.number: python_setup.large_extras(lesson) for lesson in lessons()}
-    assert {number: [*some] for number, some in parts.items() if some} == {17: ["ray"], 20: ["body"]}

@@ -20,7 +20,7 @@ from netmq_example.security.allow_list import AllowList
 from netmq_example.security.requester import ClientKeys, SecureRequester
 from tests.bad_peers import SlowLine
 from tests.conftest import CLIENTS, PYTHON
-from tests.lessons.conftest import answering, bind
+from tests.lessons.conftest import bind
 from tests.programs import ROOT, Run, finished, python_runs, steady_endpoint
 
 KEY = "15_security"
@@ -395,21 +395,16 @@ def test_a_file_that_holds_no_key_of_a_clients_is_not_read(kind, folder, run):
 
 
 @pytest.fixture
-def gate(request, folder, start, context):
-    """The program and its endpoint, and the server behind it. A test may say how many clients are the most."""
-    most = getattr(request, "param", 500)
+def gate(folder, start, context):
+    """The program and its endpoint, and the server behind it."""
     with context.socket(zmq.ROUTER) as behind:
         inside = bind(behind)
-        script = f"import gate; gate.MOST_CLIENTS = {most}; gate.run(gate.main)"
         words = ["--to", inside, "--endpoint", "tcp://127.0.0.1:0", "--keys", folder]
-        path = os.pathsep.join([str(FOLDER), str(ROOT / "python")])
-        program = start(PYTHON, "-c", script, *words, PYTHONPATH=path)
+        program = start(PYTHON, FOLDER / "gate.py", *words)
         yield program, program.wait_for(r"^listening on (\S+)")[1], behind
 
 
-@pytest.mark.parametrize(
-    ("key", "kind"), [("04_background_client", "csharp"), ("04_background_client", "unity"), ("14_long_jobs", "csharp")]
-)
+@pytest.mark.parametrize(("key", "kind"), [("04_background_client", "unity"), ("14_long_jobs", "csharp")])
 def test_clients_of_other_lessons_come_through_the_gate_with_keys(key, kind, folder, serve, start, run):
     words = ["--to", serve(key)[1], "--endpoint", "tcp://127.0.0.1:0", "--keys", folder]
     endpoint = start(PYTHON, FOLDER / "gate.py", *words).wait_for(r"^listening on (\S+)")[1]
@@ -436,25 +431,6 @@ def test_who_is_revoked_hears_no_more_of_what_was_asked_before(gate, folder, con
     behind.send_multipart([behind.recv_multipart()[0], bytes(100_000)])
     assert bob.recv() == bytes(100_000)
     assert not alice.poll(200)
-
-
-@pytest.mark.parametrize("gate", [2], indirect=True)
-def test_with_too_many_clients_the_one_that_was_silent_longest_is_disconnected(gate, connect):
-    _, endpoint, behind = gate
-    first, second, third = (connect(endpoint, None, zmq.DEALER) for _ in range(3))
-    places = []
-    for asker in (first, second, first, third):
-        asker.send(b"hello")
-        places.append(behind.recv_multipart()[0])
-    assert places[0] == places[2] and len({*places}) == 3, "each has a connection, and keeps it"
-    for place in places[1:]:
-        behind.send_multipart([place, b"news"])
-    for asker in (first, third):
-        assert asker.recv() == b"news"
-    assert not second.poll(200)
-    second.send(b"hello again")
-    place, text = behind.recv_multipart()
-    assert text == b"hello again" and place not in places
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no limit of open files for a program")
@@ -587,10 +563,3 @@ def test_a_program_that_closes_nothing_ends_all_the_same(folder, start):
     program = start(PYTHON, "-c", UNCLOSED, folder, PYTHONPATH=str(ROOT / "python"))
     assert program.wait() == 1
     assert program.lines == ["an end without closing"]
-
-
-@each_side
-def test_a_reply_is_all_of_its_frames(side, run, context):
-    with answering(context, lambda frames: [b"", b"one", b"\xff"]) as endpoint:
-        client = run(side, KEY, "--plain", "--endpoint", endpoint, "--count", "1", *PATIENT)
-    assert client.lines[1:] == ["1: sent Hello, received  one (1 bytes)", "done: 1 replies"]

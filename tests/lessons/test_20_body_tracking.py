@@ -307,22 +307,6 @@ def test_who_stands_where_in_the_picture_keeps_the_topic(webcam):
     assert all(later > earlier for earlier, later in itertools.pairwise(sys.modules["mediapipe"].PoseLandmarker.times))
 
 
-def test_a_cell_that_was_interrupted_can_be_run_again(webcam):
-    """Its traceback lives on, and with it all that it had."""
-    errors = []
-    for _ in range(2):
-        try:
-            for _ in camera.watch(0, webcam / "model.task", 2):
-                raise KeyboardInterrupt
-        except KeyboardInterrupt as error:
-            errors.append(error)
-        watching = camera.watch(0, webcam / "model.task", 2)
-        next(watching)
-        with pytest.raises(KeyboardInterrupt) as caught:
-            watching.throw(KeyboardInterrupt)
-        errors.append(caught)
-
-
 def test_a_film_is_watched_to_its_end_and_a_stream_as_long_as_it_lasts(webcam, start):
     (webcam / "walk.mp4").touch()
     assert len([*camera.watch(webcam / "walk.mp4", webcam / "model.task", 2)]) == 3

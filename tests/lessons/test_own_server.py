@@ -367,15 +367,6 @@ def test_a_revoked_key_is_refused_from_then_on(kind, alice, tmp_path):
     assert len(asked) == 1
 
 
-def test_a_context_has_one_allow_list(alice, context):
-    keys, *_ = alice
-    with (
-        Server(str.upper, keys=keys, context=context),
-        pytest.raises(ValueError, match=r"^this context has an allow-list"),
-    ):
-        Server(str.upper, keys=keys, context=context)
-
-
 # Clients for threads
 
 
@@ -483,21 +474,6 @@ def test_mistakes_in_callbacks_end_no_thread_and_no_close(server):
     with pytest.raises(Mistake):
         client.close()
     assert (len(ran), client.under_way) == (1500, 0)
-
-
-def test_a_signals_handler_may_close_it(server):
-    before = signal.signal(signal.SIGINT, lambda *_: client.close())
-    try:
-        for number in range(20):
-            client = BackgroundClient(server.endpoint, timeout=PATIENT)
-            threading.Timer(0.001 + number / 5000, signal.raise_signal, [signal.SIGINT]).start()
-            futures = []
-            with pytest.raises(Closed):
-                while True:
-                    futures.append(client.submit("x"))
-            assert {type(each.exception(LIMIT)) for each in futures} <= {type(None), Closed}
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 # and for asyncio

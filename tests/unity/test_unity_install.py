@@ -293,17 +293,6 @@ def test_a_project_that_unity_may_refuse_is_advised(project, nuget, capsys):
     assert f"delete {old}: Unity refuses this name" in said and "this Unity is older than 2022.3" in said
 
 
-def test_what_is_there_by_another_route_is_not_added(project, nuget):
-    package = json.loads((PACKAGE / "package.json").read_text(encoding="utf-8"))
-    brought = [name for name in package["dependencies"] if name.startswith("com.unity.modules.")]
-    lock = {"dependencies": {name: {"depth": 1} for name in brought}}
-    (project / "Packages" / "packages-lock.json").write_text(json.dumps(lock))
-    (project / "Assets" / "Newtonsoft.Json.dll").write_bytes(b"MZ")
-    before = (project / "Packages" / "manifest.json").read_bytes()
-    unity_install.install(project)
-    assert (project / "Packages" / "manifest.json").read_bytes() == before
-
-
 def test_netmq_of_the_projects_own_is_used(project, nuget, capsys):
     put(project, {"Assets/Plugins/NetMQ.dll": a_dll("4.0.1.12")})
     unity_install.install(project, "1")

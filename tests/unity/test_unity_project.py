@@ -293,17 +293,6 @@ def test_the_manifests_name_the_modules_that_scripts_need():
         assert needed <= manifest["dependencies"].keys(), path.name
 
 
-def test_the_lessons_are_left_out_of_webgl_which_has_its_own_error():
-    found = [json.loads(text) for name, text in copied().items() if name.endswith(".asmdef")]
-    by_name = {definition["name"]: definition for definition in found}
-    assert by_name["NetMQExample"]["excludePlatforms"] == ["WebGL"]
-    assert by_name["NetMQExample"]["includePlatforms"] == []
-    assert by_name["NetMQExample.WebGL"]["includePlatforms"] == ["WebGL"]
-    code = (PACKAGE / "WebGL" / "NotInABrowser.cs").read_text(encoding="utf-8")
-    assert "#if UNITY_WEBGL && !UNITY_EDITOR" in code
-    assert "using NetMQ" not in code, "NetMQ is not there in a browser"
-
-
 def test_the_package_is_valid():
     package = json.loads((PACKAGE / "package.json").read_text(encoding="utf-8"))
     assert re.fullmatch(r"[a-z0-9][a-z0-9._-]{0,213}", package["name"])

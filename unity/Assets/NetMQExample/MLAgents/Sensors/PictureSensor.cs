@@ -81,7 +81,7 @@ namespace NetMQExample.MLAgents.Sensors
         /// <summary>With its camera, and the size of its picture.</summary>
         public CameraSensor(Camera camera, int width, int height, bool grayscale, string name,
             SensorCompressionType compression, ObservationType observationType = ObservationType.Default)
-            : base(name, Canvas(width, height), grayscale, compression, observationType) =>
+            : base(name, Surface(width, height), grayscale, compression, observationType) =>
             Camera = Require.Given("camera", camera);
 
         /// <summary>The camera.</summary>
@@ -104,7 +104,7 @@ namespace NetMQExample.MLAgents.Sensors
             Object.Destroy(Texture);
         }
 
-        private static RenderTexture Canvas(int width, int height) =>
+        private static RenderTexture Surface(int width, int height) =>
             new RenderTexture(width, height, 24, RenderTextureFormat.ARGB32, RenderTextureReadWrite.sRGB);
     }
 
