@@ -34,19 +34,14 @@ from netmq_example.messages import Message, MessageError  # noqa: E402
 from netmq_example.scene import SceneSimulator  # noqa: E402
 from netmq_example.wire import trees  # noqa: E402
 from netmq_example.wire.records import (  # noqa: E402
-    ANSWERS,
     ASKS,
     LAST,
     NOTHING,
-    REAL_TIME,
     RESET,
     STEP,
-    TERMINATED,
     Record,
     Section,
-    read_frames,
 )
-from netmq_example.wire.sections import rewards_in, seeds  # noqa: E402
 from netmq_example.worlds.pursuit import Pursuit  # noqa: E402
 from tests.lessons.office import VALUES, office  # noqa: E402
 from tests.lessons.vectors import play  # noqa: E402
@@ -524,52 +519,6 @@ def test_the_world_goes_on_while_python_thinks_if_it_is_to(kind, launch, make):
         ticks = round(float(before - seen["hunter_0"][2]) / 0.01)
         assert rewards["hunter_1"] == pytest.approx(-0.01 * ticks), "rewards are summed"
         assert ticks >= least
-
-
-class Clocked:
-    """A simulator of the game whose clock is set by hand."""
-
-    def __init__(self):
-        self.now, self.world, self.id = 0.0, Pursuit(), 0
-        self.simulator = SceneSimulator(self.world, lambda: self.now)
-        # No rabbit is near a hunter.
-        self.ask(Section(0, seeds([10] * 3), bytes([RESET] * 3)), Section(1, seeds([13] * 2), bytes([RESET] * 2)))
-        self.ticks, tick = [], self.world.on_tick
-        self.world.on_tick = lambda dt: (self.ticks.append(self.world.players[0].way), tick(dt))
-
-    def ask(self, *sections):
-        self.id += 1
-        record = Record(ASKS, self.id, [*sections], REAL_TIME)
-        return read_frames(ANSWERS, self.simulator.answer(record)).sections
-
-    def step(self, now, way):
-        """The rewards, and the marks, of the hunters."""
-        self.now = now
-        hunters, _ = self.ask(steps(way, way, way), steps(0, 0, kind=1))
-        return rewards_in(hunters), bytes(hunters.marks)
-
-
-def test_what_the_clock_has_seen_is_made_up_for():
-    """With the actions from before, and those of a step only in the tick that is due. It is ten seconds at most."""
-    game = Clocked()
-    assert game.step(0.105, 1)[0] == pytest.approx([-0.01] * 3) and game.ticks == [1]
-    assert game.step(0.505, 2)[0] == pytest.approx([-0.04] * 3) and game.ticks == [1, 1, 1, 1, 2]
-    for player in game.world.players:
-        player.energy, player.x, player.y = 2.0, 0.0, 1.0 if player.kind == "hunter" else -1.0
-    game.step(0.605, 0)
-    del game.ticks[:]
-    assert game.step(1000, 2)[0] == pytest.approx([-1.01] * 3) and game.ticks == [0] * 100 + [2]
-
-
-def test_on_the_clock_whoever_is_over_has_no_more_ticks():
-    """Until the next exchange; what became of it stands until it is asked for."""
-    game = Clocked()
-    hunter, other, _, *rabbits = game.world.players
-    game.step(0.105, 1)
-    hunter.energy = 0.05
-    _, marks = game.step(0.505, 1)
-    assert marks[0] & TERMINATED and not marks[1] & TERMINATED and hunter.energy == 0
-    assert other.energy == pytest.approx(1 - 5 * 0.03) and not any(rabbit.terminated for rabbit in rabbits)
 
 
 # The game by its path

@@ -37,6 +37,7 @@ from netmq_example.wire.records import (  # noqa: E402
     RESET,
     SEEN,
     STEP,
+    TERMINATED,
     Record,
     Section,
     read_frames,
@@ -360,8 +361,6 @@ MODES = pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
 class Cod(Fish):
     """It sees its number and its steps; `on_steps` is what it does after so many."""
 
-    action = Discrete(2)
-
     def __init__(self, number=0, on_steps: Any = None):
         super().__init__("cod")
         self.number, self.on_steps, self.steps = number, on_steps or {}, 0
@@ -560,6 +559,27 @@ def test_in_real_time_a_step_waits_for_its_tick(kind, sea, monkeypatch):
         now[0] += thinks
         env.step(actions_of(env))
     assert slept == [0.25, 0.25, 0.1875, 0, 0.25]
+
+
+def test_what_the_clock_has_seen_is_made_up_for():
+    """With the actions from before, and those of a step only in the tick that is due. Ten seconds at most. Whoever
+    is over has no more ticks until the next exchange.
+    """
+    now, done = [0.0], []
+    one, other = Cod(), Cod()
+    one.on_action = done.append
+    other.on_steps = {2: lambda: setattr(other, "terminated", True)}
+    asks = Asks(SceneSimulator(Sea([one, other], dt=0.25), clock=lambda: now[0]))
+    asks.all(RESET, REAL_TIME)
+    for now[0], action, orders, ticks in (
+        (0.26, 1, [STEP, STEP], [1]),
+        (1.26, 2, [STEP, STEP], [1, 1, 1, 2]),
+        (1000, 3, [STEP, NOTHING], [2] * 41 + [3]),
+    ):
+        (section,) = asks.ask([asks.section(orders, action)], REAL_TIME).sections
+        assert (done, rewards_in(section)[0], other.steps) == (ticks, len(ticks), min(len(ticks), 2))
+        assert bool(section.marks[1] & TERMINATED) == (ticks[-1] == 2)
+        done.clear()
 
 
 def test_a_reset_of_some_starts_the_clock_anew():
