@@ -43,7 +43,7 @@ def test_two_lines_put_the_kit_into_the_place_of_mlagents_envs(tmp_path):
 @pytest.mark.long
 @pytest.mark.parametrize("instead", ["", SAC], ids=["ppo", "sac"])
 def test_a_drone_learns_to_hover(instead, tmp_path):
-    import yaml
+    yaml = pytest.importorskip("yaml")
 
     config = yaml.safe_load(CONFIG)
     config["behaviors"]["Hover"] |= yaml.safe_load(instead) or {}
