@@ -17,7 +17,7 @@ from pathlib import Path
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.large import few_answers_wait, receive_frames
+from netmq_example.large import few_answers_wait, receive_frames, send_frames
 from netmq_example.messages import LIMIT, Array, Message, MessageError, message_reply
 from netmq_example.program import listening, run, server_options
 
@@ -47,7 +47,7 @@ def main() -> None:
             # A JSON header, then the arrays. Without a copy: they stay where ZeroMQ has received them.
             header, *arrays = receive_frames(socket)
             _, reply, frames = message_reply(answer, [header, *arrays])
-            socket.send_multipart(frames, copy=False)
+            send_frames(socket, frames)
             if not (options.quiet or reply.kind == "error"):
                 print(f"sent {frames[0]!r:.80}", flush=True)
 

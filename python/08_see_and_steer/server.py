@@ -23,7 +23,7 @@ sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
 from netmq_example.extras import importing
-from netmq_example.large import receive_frames
+from netmq_example.large import receive_frames, send_frames
 from netmq_example.program import listening, run, seconds, server_options
 
 with importing("numpy: pip install numpy, or let kit.py run 8 do it"):
@@ -62,7 +62,7 @@ def main() -> None:
             # Even a sleep of 0 takes as long as the whole reply.
             if options.delay:
                 time.sleep(options.delay)
-            socket.send_multipart(parts)
+            send_frames(socket, parts)
             # Afterwards: a picture that is written makes no action older.
             recorder.add(frame, action)
 

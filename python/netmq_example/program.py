@@ -40,7 +40,8 @@ T = TypeVar("T")
 SLICE_MS = 200
 # The largest frame of a text message, in bytes. A peer that announces a larger one is disconnected before it arrives.
 LARGEST_BYTES = 65_536
-# So many bytes, or two messages, may wait on a connection to be read: ZeroMQ itself counts only messages, up to 1000.
+# So many bytes, or eight messages, may wait on a connection to be read: ZeroMQ itself counts only messages, up to 1000.
+# Of fewer than eight it tells its other thread too often that one was read, which takes as long as a small message.
 WAITING_BYTES = 64 * 1024 * 1024
 # No program of this kit needs more open files; and with fewer than the least libzmq ends it without a word of ours.
 MOST_FILES = 8192
@@ -181,7 +182,7 @@ def limit(socket: Socket, largest: int = LARGEST_BYTES) -> None:
     socket.linger = 0
     socket.maxmsgsize = largest
     if largest > LARGEST_BYTES:
-        socket.rcvhwm = max(2, WAITING_BYTES // largest)
+        socket.rcvhwm = max(8, WAITING_BYTES // largest)
 
 
 def receive(socket: Socket, timeout: float = math.inf, copy: bool = True) -> list[Any]:

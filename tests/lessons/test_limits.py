@@ -37,15 +37,15 @@ class LookedAt(zmq.Socket):
     connect = bind
 zmq.Context._socket_class = LookedAt
 """
-# The largest frame, and how many messages wait to be read and to be sent. Of large ones two.
-TEXTS, ARRAYS = (64 * KILOBYTE, 1000, 1000), (256 * MEGABYTE, 2, 1000)
+# The largest frame, and how many messages wait to be read and to be sent. Of large ones eight.
+TEXTS, ARRAYS = (64 * KILOBYTE, 1000, 1000), (256 * MEGABYTE, 8, 1000)
 SOCKETS = {
     # A subscription is short.
     **dict.fromkeys(["03_publish_subscribe", "07_catch_up", "20_body_tracking"], (1000, 1000, 1000)),
-    "05_messages": (256 * MEGABYTE, 2, 10),
-    "13_side_channels": (16 * MEGABYTE, 4, 1000),
+    "05_messages": (256 * MEGABYTE, 8, 10),
+    "13_side_channels": (16 * MEGABYTE, 8, 1000),
     "14_long_jobs": (64 * KILOBYTE, 1000, 10),
-    "17_many_machines": (256 * MEGABYTE, 2, 2),
+    "17_many_machines": (256 * MEGABYTE, 8, 2),
     "21_talking_character": (64 * KILOBYTE, 1000, 10),
     **dict.fromkeys(["08_see_and_steer", "09_environment", "10_many_agents", "11_observations", "12_video"], ARRAYS),
 }
@@ -69,13 +69,13 @@ def test_what_a_servers_socket_takes_and_keeps(key, run, tmp_path, looked_at):
 @pytest.mark.parametrize("key", ["14_long_jobs", "21_talking_character"])
 def test_what_the_client_of_a_job_takes(key, run, looked_at):
     found = run("python", key, "--endpoint", "tcp://127.0.0.1:9")
-    assert "67108864 2 1000" in found.lines, found
+    assert "67108864 8 1000" in found.lines, found
 
 
 def test_what_the_gate_takes(tmp_path, looked_at):
     words = ["--to", "tcp://127.0.0.1:9", "--endpoint", "tcp://127.0.0.1:0", *secrets("15_security", tmp_path)]
     (found,) = python_runs("python/15_security/gate.py", [words])
-    assert "67108864 2 1000" in found.lines, found
+    assert "67108864 8 1000" in found.lines, found
 
 
 @pytest.fixture

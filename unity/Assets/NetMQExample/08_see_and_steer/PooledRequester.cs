@@ -7,7 +7,6 @@ using System.Buffers;
 using System.Collections.Generic;
 using System.Linq;
 using System.Runtime.InteropServices;
-using System.Text;
 using System.Threading;
 using NetMQ;
 using NetMQ.Sockets;
@@ -23,6 +22,7 @@ namespace NetMQExample
     {
         // The frames of the last reply. A Msg gives its buffer back to the pool when it receives the next frame.
         private readonly List<ReadOnlyMemory<byte>> frames = new List<ReadOnlyMemory<byte>>();
+        private readonly MessageWriter header = new MessageWriter();
         private Msg[] parts = new Msg[0];
 
         /// <summary>With room for several pictures in the operating system: the two sides then wait for each other less
@@ -38,11 +38,25 @@ namespace NetMQExample
             Message request, TimeSpan timeout, CancellationToken stop, out IReadOnlyList<ReadOnlyMemory<byte>> reply)
         {
             reply = frames;
-            var header = request.Header();
-            if (!Send(Encoding.UTF8.GetBytes(header), request.Arrays.Count > 0, timeout, stop)) return false;
+            var msg = new Msg();
+            var written = request.WriteHeader(header).Written;
+            // Copied, for the next header may be written while a request that was given up is still on its way.
+            msg.InitPool(written.Length);
+            written.Span.CopyTo(msg.Slice());
+            if (!Send(ref msg, request.Arrays.Count > 0, timeout, stop)) return false;
             for (var i = 0; i < request.Arrays.Count; i++)
-                if (!Send(request.Arrays[i].Data, i + 1 < request.Arrays.Count, timeout, stop)) return false;
-            Connection.Show(true, request.Arrays.Select(array => (object)array.Data).Prepend(header));
+            {
+                // Lent where it can be: the reply proves that the network has had every byte of it.
+                var data = request.Arrays[i].Data;
+                if (MemoryMarshal.TryGetArray(data, out var lent)) msg.InitGC(lent.Array, lent.Offset, lent.Count);
+                else
+                {
+                    msg.InitPool(data.Length);
+                    data.Span.CopyTo(msg.Slice());
+                }
+                if (!Send(ref msg, i + 1 < request.Arrays.Count, timeout, stop)) return false;
+            }
+            Connection.Show(true, request.Arrays.Select(array => (object)array.Data).Prepend(header.ToString()));
             frames.Clear();
             for (var i = 0; i == 0 || parts[i - 1].HasMore; i++)
             {
@@ -54,16 +68,8 @@ namespace NetMQExample
             return true;
         }
 
-        private bool Send(ReadOnlyMemory<byte> bytes, bool more, TimeSpan timeout, CancellationToken stop)
+        private bool Send(ref Msg msg, bool more, TimeSpan timeout, CancellationToken stop)
         {
-            var msg = new Msg();
-            // Lent where it can be: the reply proves that the network has had every byte of it.
-            if (MemoryMarshal.TryGetArray(bytes, out var lent)) msg.InitGC(lent.Array, lent.Offset, lent.Count);
-            else
-            {
-                msg.InitPool(bytes.Length);
-                bytes.Span.CopyTo(msg.Slice());
-            }
             foreach (var slice in NetMQConnection.Slices(timeout, stop))
                 // Sent, it is empty: what it held is NetMQ's until the network has it.
                 if (Connection.Socket.TrySend(ref msg, slice, more)) return true;
