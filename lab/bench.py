@@ -14,7 +14,7 @@ from kitlib.programs import quietly
 from kitlib.setup import dotnet, python_setup
 from kitlib.terminal import say
 from lab import machine, report
-from lab.contest import BARE, BARE_ACTION, BUSY, CURVE, ECHOES, HELLO, STEER, STEPS, Lab, elsewhere
+from lab.contest import BARE, BARE_ACTION, BUSY, CURVE, ECHOES, HELLO, SIGHTS, STEER, STEPS, Lab, elsewhere
 from lab.programs import LIMIT
 
 # A picture of 320 x 240 points, each of three bytes.
@@ -94,6 +94,7 @@ def other_work(lab: Lab) -> list[dict[str, Any]]:
         lab.work("with keys, echo of 230,400 B", [BARE, CURVE], picture),
         lab.work("a server that takes 10 ms", [HELLO, BUSY], small, "--delay", "0.01"),
         lab.work(report.STEPS, STEPS, f"steps {{name}} {lab.moment}"),
+        lab.work("steps with a camera's picture", SIGHTS, f"steps {{name}} {lab.moment}"),
     ]
 
 

@@ -78,6 +78,13 @@ STEPS = [
     Contender("four in frames, sync", "trainer", "sync@4", "", "gymnasium"),
     *(Contender(f"in frames, thinking {ms} ms", "trainer", f"player+{ms}", "", "gymnasium") for ms in (2, 5, 20)),
 ]
+# Each sees a picture of width and height, and does nothing.
+SIGHTS = [
+    Contender(f"{label}, {width} x {height}{also}", "trainer", f"{name}{width}x{height}{at}", "", "gymnasium")
+    for width, height in ((64, 48), (84, 84))
+    for also, at in (("", ""), (", 16 agents", "@16"))
+    for label, name in ((BARE.label, "echo"), ("lesson 09, C#", "see"))
+]
 
 
 def elsewhere(program: str, where: str) -> list[Contender]:

@@ -14,6 +14,8 @@ steps dummy@16 SECONDS       Stable-Baselines3's DummyVecEnv, in this process; s
 steps player SECONDS         lesson 09's, as Unity steps it: in frames
 steps player+5 SECONDS       the same, while Python thinks for 5 ms after each step
 steps async@2 SECONDS        two of these, side by side; steps sync@4 four, one after the other
+steps see64x48 SECONDS       an agent in C# with a picture of 64 x 48 as its observation; steps see64x48@16 sixteen
+steps echo64x48 SECONDS      no environment, and as many bytes
 steps coins SECONDS          lesson 11's car, with attributes and a picture; steps coins@16 sixteen of them in one scene
 close
 """
@@ -21,6 +23,8 @@ close
 from __future__ import annotations
 
 import json
+import math
+import re
 import subprocess
 import sys
 import time
@@ -41,18 +45,19 @@ from netmq_example.mlagents_envs.environment import UnityEnvironment  # noqa: E4
 from netmq_example.wire.records import ANSWERS, ASKS, SEEN, STEP, Record, Section  # noqa: E402
 
 CONSOLE, LAB = sys.argv[1:3]
+UNITY = "NetMQExample/Unity-v0"
 
 
 class Echo:
     """ZeroMQ alone, with as many bytes."""
 
-    def __init__(self, count: int) -> None:
+    def __init__(self, count: int, seen: int = 16) -> None:
         self.num_envs = count
         self.context = zmq.Context()
         self.socket = self.context.socket(zmq.ROUTER)
         port = self.socket.bind_to_random_port("tcp://127.0.0.1")
         numbers = bytes(8 * count)
-        answer = Record(ANSWERS, 1, [Section(0, numbers, bytes([SEEN]) * count, values=bytes(16 * count))])
+        answer = Record(ANSWERS, 1, [Section(0, numbers, bytes([SEEN]) * count, values=bytes(seen * count))])
         words = ["dotnet", LAB, "respond", f"tcp://127.0.0.1:{port}", str(len(answer.frame()))]
         self.program = subprocess.Popen(words, stdin=subprocess.PIPE)
         self.peer, _ = self.socket.recv_multipart()
@@ -76,9 +81,14 @@ class Echo:
 def make(name: str) -> Any:
     """An environment, or as many at once as its name says."""
     where, _, count = name.partition("@")
+    options: dict[str, Any]
     pole = "NetMQExample/CartPole-v0"
-    if where == "echo":
-        return Echo(int(count or 1))
+    size = [int(length) for length in re.findall(r"\d+", where)]
+    if where.startswith("echo"):
+        return Echo(int(count or 1), 3 * math.prod(size) if size else 16)
+    if size:
+        options = {"env_name": "Seeing", "launch": ["dotnet", LAB, "see", *map(str, size), count or "1"]}
+        return gymnasium.make_vec(UNITY, int(count), **options) if count else gymnasium.make(UNITY, **options)
     if where == "own":
         return gymnasium.make_vec("CartPole-v1", int(count), "sync") if count else gymnasium.make("CartPole-v1")
     if where in ("dummy", "sb3"):
@@ -86,10 +96,9 @@ def make(name: str) -> Any:
     if where == "mlagents":
         return MLAgentsEnv(int(count or 1))
     if where == "coins":
-        options: dict[str, Any] = {"env_name": "Coins", "observation_space": seen_space(False), "action_space": ACTION}
+        options = {"env_name": "Coins", "observation_space": seen_space(False), "action_space": ACTION}
         options["launch"] = ["dotnet", CONSOLE, "11", *(["--agents", count] if count else [])]
-        unity = "NetMQExample/Unity-v0"
-        return gymnasium.make_vec(unity, int(count), **options) if count else gymnasium.make(unity, **options)
+        return gymnasium.make_vec(UNITY, int(count), **options) if count else gymnasium.make(UNITY, **options)
     player = ["dotnet", CONSOLE, "9", "--unity"]
     if where in ("async", "sync"):
         return gymnasium.make_vec(pole, int(count), where, launch=player)
@@ -159,6 +168,8 @@ def policy(env: Any, seen: Any) -> Any:
     """The pole is held by a rule, so that it stays up; the car stays where it is, so that its episode does not end."""
     if isinstance(seen, dict):
         return NOTHING[len(seen["left"]) if np.ndim(seen["left"]) else 0]
+    if seen.ndim > 2:
+        return np.zeros(seen.shape[:-3], np.int64)[()]
     pushed = np.asarray(seen).T
     return (pushed[2] + pushed[3] > 0).astype(np.int64)
 

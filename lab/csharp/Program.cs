@@ -8,7 +8,7 @@
 // Each line is answered with one line of JSON: messages, seconds, and how long each wait was in
 // microseconds. Clients stay connected from round to round, so that a round measures no start.
 // Started as `respond ENDPOINT SIZE` it answers what comes with SIZE bytes, for the lab's trainer, until its input
-// ends.
+// ends; as `see WIDTH HEIGHT COUNT --endpoint ENDPOINT` it is a simulator of agents that see pictures.
 using System;
 using System.Collections.Generic;
 using System.Diagnostics;
@@ -28,13 +28,14 @@ namespace NetMQExample.Lab
 
         private static void Main(string[] words)
         {
-            if (words.Length > 0 && words[0] == "respond")
-            {
-                Respond(words[1], int.Parse(words[2], CultureInfo.InvariantCulture));
-                return;
-            }
             // As csharp-console/Program.cs does it.
             Environment.SetEnvironmentVariable("DOTNET_SYSTEM_NET_SOCKETS_INLINE_COMPLETIONS", "1");
+            if (words.Length > 0)
+            {
+                if (words[0] == "respond") Respond(words[1], Whole(words[2]));
+                else Seeing.Run(words[^1], Whole(words[1]), Whole(words[2]), Whole(words[3]));
+                return;
+            }
             // NetMQ's threads stay while any client of this program does.
             using var lifetime = new NetMQLifetime();
             for (var line = Console.ReadLine(); line != null; line = Console.ReadLine())
@@ -53,7 +54,6 @@ namespace NetMQExample.Lab
         // Answers whatever comes with so many bytes: what a simulator would do that has nothing to do.
         private static void Respond(string endpoint, int size)
         {
-            Environment.SetEnvironmentVariable("DOTNET_SYSTEM_NET_SOCKETS_INLINE_COMPLETIONS", "1");
             using var lifetime = new NetMQLifetime();
             using var socket = new DealerSocket();
             socket.Options.Linger = TimeSpan.Zero;
@@ -69,12 +69,14 @@ namespace NetMQExample.Lab
             msg.Close();
         }
 
+        private static int Whole(string word) => int.Parse(word, CultureInfo.InvariantCulture);
+
         private static string Answer(string[] words)
         {
             switch (words[0])
             {
                 case "echo":
-                    return Echo(Client(words[1], words[2], int.Parse(words[3], CultureInfo.InvariantCulture)),
+                    return Echo(Client(words[1], words[2], Whole(words[3])),
                         double.Parse(words[4], CultureInfo.InvariantCulture));
                 case "frames":
                     return Frames(words[1], words[2]);
