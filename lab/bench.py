@@ -14,7 +14,7 @@ from kitlib.programs import quietly
 from kitlib.setup import dotnet, python_setup
 from kitlib.terminal import say
 from lab import machine, report
-from lab.contest import BARE, BARE_ACTION, BUSY, CURVE, ECHOES, HELLO, SIGHTS, STEER, STEPS, Lab, elsewhere
+from lab.contest import BARE, BARE_ACTION, BUSY, CURVE, ECHOES, HELLO, SIGHTS, SSH, STEER, STEPS, Lab, elsewhere
 from lab.programs import LIMIT
 
 # A picture of 320 x 240 points, each of three bytes.
@@ -91,7 +91,8 @@ def other_work(lab: Lab) -> list[dict[str, Any]]:
     return [
         lab.work("a picture of 230,400 B, an action back", [BARE_ACTION, STEER], picture),
         lab.work("with keys, echo of 32 B", [BARE, CURVE], small),
-        lab.work("with keys, echo of 230,400 B", [BARE, CURVE], picture),
+        lab.work("with keys, echo of 230,400 B", [BARE, CURVE, SSH], picture),
+        lab.work("with keys, echo of its JPEG file, 20,000 B", [BARE, CURVE, SSH], echo.replace("{size}", "20000")),
         lab.work("a server that takes 10 ms", [HELLO, BUSY], small, "--delay", "0.01"),
         lab.work(report.STEPS, STEPS, f"steps {{name}} {lab.moment}"),
         lab.work("steps with a camera's picture", SIGHTS, f"steps {{name}} {lab.moment}"),

@@ -7,6 +7,8 @@ is compared is each contender's rate with that of raw TCP in the same round. The
 from __future__ import annotations
 
 import math
+import os
+import shutil
 import statistics
 import sys
 from dataclasses import dataclass, field
@@ -42,6 +44,7 @@ POOLED = Contender("lesson 05, pooled", "dotnet", "pooled", "05_messages")
 STEER = Contender("lesson 08", "dotnet", "steer", "steer")
 BARE_ACTION = Contender(BARE.label, "dotnet", "bare@200", "zmq")
 CURVE = Contender("NetMQ with CURVE", "dotnet", "curve", "curve")
+SSH = Contender("NetMQ through SSH", "dotnet", "bare", "ssh")
 HTTP = Contender("HTTP, aiohttp", "dotnet", "http", "http", "aiohttp")
 WEBSOCKET = Contender("WebSocket, websockets", "dotnet", "websocket", "websocket", "websockets")
 GRPC = Contender("gRPC, Python both sides", "grpc", "grpc", "grpc", "grpcio")
@@ -198,6 +201,8 @@ class Lab:
             self.installed[need] = not each.package or python_setup.has(self.python, [need])
         if not self.installed[need]:
             self.skipped[each.label] = f'it needs a package: pip install "{need}"'
+        elif each.server == "ssh" and not shutil.which("sshd", path=f"{os.environ['PATH']}{os.pathsep}/usr/sbin"):
+            self.skipped[each.label] = "it needs sshd: install openssh-server"
         elif each.program not in ("grpc", "trainer") and each.program not in self.builds:
             self.skipped[each.label] = "this machine has none"
         return each.label in self.skipped

@@ -5,13 +5,15 @@ Bytes: one frame each way: the same bytes, or, if the first is 3, the first 200.
 
 from __future__ import annotations
 
+import sys
+
 import zmq
 
 
 def main() -> None:
     with zmq.Context() as context, context.socket(zmq.ROUTER) as router:
         router.linger = 0
-        router.bind("tcp://127.0.0.1:*")
+        router.bind(sys.argv[1] if len(sys.argv) > 1 else "tcp://127.0.0.1:*")
         print(f"listening on {router.getsockopt_string(zmq.LAST_ENDPOINT)}", flush=True)
         while True:
             client, message = router.recv_multipart(copy=False)

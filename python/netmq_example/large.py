@@ -24,7 +24,7 @@ def receive_frames(socket: Socket, timeout: float = math.inf) -> list[zmq.Frame]
     while True:
         try:
             frames = [socket.recv(0, False)]
-            # A frame knows whether another one follows; recv_multipart asks the socket, which takes three times as long.
+            # A frame knows whether another one follows. recv_multipart asks the socket, which takes twice as long.
             while frames[-1].more:
                 frames.append(socket.recv(0, False))
             return frames
