@@ -2,8 +2,8 @@
 // nothing but texts, numbers, true, false, lists and dictionaries, and IL2CPP has nothing to strip.
 //
 // Two languages must agree on what is a message, so it takes what RFC 8259 has, and no more: no comments, no NaN, no
-// comma too many, and no \ud800, which is half a character. The whole text is looked at first, so that its fields can be
-// read in any order.
+// comma too many, and no \ud800, which is half a character. The whole text is looked at first, so that its fields can
+// be read in any order.
 using System;
 using System.Buffers.Text;
 using System.Collections.Generic;
@@ -220,7 +220,7 @@ namespace NetMQExample
             for (; At < bytes.Length; At++)
             {
                 var letter = bytes[At];
-                if (letter > ' ' || (letter != ' ' && letter != '\n' && letter != '\r' && letter != '\t')) return letter;
+                if (letter != ' ' && letter != '\n' && letter != '\r' && letter != '\t') return letter;
             }
             return -1;
         }

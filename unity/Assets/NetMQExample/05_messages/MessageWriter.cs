@@ -1,5 +1,5 @@
-// Writes JSON in ASCII into a buffer that is used again: letters beyond it become \u1234, so that no encoding on the way
-// can spoil them.
+// Writes JSON in ASCII into a buffer that is used again: letters beyond it become \u1234, so that no encoding on the
+// way can spoil them.
 using System;
 using System.Buffers.Text;
 using System.Globalization;

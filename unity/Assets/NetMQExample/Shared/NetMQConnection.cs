@@ -109,8 +109,8 @@ namespace NetMQExample
             // Messages under way are dropped when the socket is closed; waiting for their delivery could take for ever.
             socket.Options.Linger = TimeSpan.Zero;
             socket.Options.MaxMsgSize = maxBytes;
-            // At most 64 MB, or 64 messages, wait to be read. NetMQ itself counts only messages, up to 1000. Of few it tells
-            // its other thread of nearly each frame that was read, which takes longer than a small message.
+            // At most 64 MB, or 64 messages, wait to be read. NetMQ itself counts only messages, up to 1000. Of few it
+            // tells its other thread about nearly each frame that was read, which takes longer than a small message.
             if (maxBytes > 65536) socket.Options.ReceiveHighWatermark = (int)Math.Max(64, (64 << 20) / maxBytes);
             Prepare?.Invoke(socket);
             Reach(socket, endpoint);
