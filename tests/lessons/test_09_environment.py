@@ -186,7 +186,7 @@ CLIENT = [str(PYTHON), str(LESSON / "client.py"), "--timeout", "30"]
 
 # Options and actions
 
-# What no message takes, tests of lesson 11 know.
+# Tests of lesson 11 know what no message takes.
 REFUSED = [
     ({"seed": 2**63}, r"a seed is a whole number from 0 to 2\*\*53 - 1, not 9223372036854775808"),
     ({"options": {"t": "x" * 2**24}}, "options of 167772.. bytes cannot be sent: at most 16777216"),

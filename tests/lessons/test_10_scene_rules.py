@@ -562,8 +562,8 @@ def test_in_real_time_a_step_waits_for_its_tick(kind, sea, monkeypatch):
 
 
 def test_what_the_clock_has_seen_is_made_up_for():
-    """With the actions from before, and those of a step only in the tick that is due. Ten seconds at most. Whoever
-    is over has no more ticks until the next exchange.
+    """With the actions from before, and those of a step only in the tick that is due. Ten seconds at most. An agent
+    that is over has no more ticks until the next exchange.
     """
     now, done = [0.0], []
     one, other = Cod(), Cod()

@@ -364,7 +364,7 @@ def threaded(do, **options):
     assert not thread.is_alive()
 
 
-# What a game may say
+# A game of nonsense
 
 
 @pytest.mark.parametrize(
@@ -478,7 +478,7 @@ def test_a_game_that_answers_too_late_is_not_filmed_for_ever(films, peer):
     begin(films, peer)
 
 
-# What a script may do
+# A script of nonsense
 
 
 def test_what_a_game_could_not_read_is_not_sent(films, game):
