@@ -19,7 +19,6 @@ from netmq_example.mlagents_envs.base_env import (  # noqa: E402
     ActionSpec,
     ActionTuple,
     BaseEnv,
-    BatchedStepResult,
     BehaviorMapping,
     BehaviorSpec,
     DecisionStep,
@@ -176,8 +175,6 @@ def test_all_of_it_can_be_pickled():
     assert (list(mapping), mapping["Ball?team=0"], len(mapping)) == (["Ball?team=0"], SPEC, 1)
     action = pickle.loads(pickle.dumps(SPEC.action_spec.empty_action(2)))
     assert action.discrete.shape == (2, 2)
-    result = BatchedStepResult([], np.zeros(2), np.zeros(2), np.zeros(2), np.arange(2), None)
-    assert pickle.loads(pickle.dumps(result)).n_agents() == 2
     for kind in vars(exception).values():
         if not isinstance(kind, type) or not issubclass(kind, UnityException):
             continue

@@ -6,6 +6,7 @@ import importlib
 import os
 import pickle
 import pkgutil
+import re
 import subprocess
 import sys
 import threading
@@ -19,7 +20,7 @@ np = pytest.importorskip("numpy", reason="ML-Agents' API needs numpy: kit.py run
 pytest.importorskip("gymnasium", reason="the wrappers need the spaces of gymnasium: kit.py run 13 installs it")
 
 from netmq_example import launch  # noqa: E402
-from netmq_example.mlagents_envs import env_utils, logging_util, timers  # noqa: E402
+from netmq_example.mlagents_envs import env_utils, timers  # noqa: E402
 from netmq_example.mlagents_envs.base_env import (  # noqa: E402
     ActionSpec,
     BaseEnv,
@@ -209,11 +210,11 @@ class Gym:
 
 
 def test_gym_is_a_base_where_a_program_knows_it(monkeypatch):
-    assert type(UnityToGymWrapper(Walk())) is UnityToGymWrapper
     monkeypatch.setitem(sys.modules, "gym", Gym)
     monkeypatch.setitem(sys.modules, "gym.spaces", importlib.import_module("gymnasium.spaces"))
-    env = UnityToGymWrapper(Walk())
-    assert isinstance(env, Gym.Env) and isinstance(env, UnityToGymWrapper) and env.reset().tolist() == [0, 0]
+    monkeypatch.delitem(sys.modules, f"{ENVS}.unity_gym_env")
+    env = importlib.import_module(f"{ENVS}.unity_gym_env").UnityToGymWrapper(Walk())
+    assert isinstance(env, Gym.Env) and env.reset().tolist() == [0, 0]
 
 
 def test_gym_without_spaces_is_a_line(monkeypatch):
@@ -401,28 +402,23 @@ def test_a_build_is_told_from_another_program(build, tmp_path):
     assert not env_utils.is_player(str(tmp_path / "game.sh"))
 
 
-@pytest.fixture
-def levels():
-    yield
-    logging_util.set_log_level(logging_util.INFO)
+LOGS = """
+from netmq_example.mlagents_envs.logging_util import DEBUG, INFO, get_logger, set_log_level
+one = get_logger("one")
+set_log_level(INFO)
+one.info("hello")
+get_logger("one").debug("not said")
+set_log_level(DEBUG)
+get_logger("another").debug("hello")
+"""
 
 
-def test_all_loggers_have_one_level(levels, capsys):
-    before = logging_util.get_logger("test of ML-Agents")
-    for level in ("INFO", "ERROR", "FATAL", "CRITICAL", "DEBUG"):
-        logging_util.set_log_level(getattr(logging_util, level))
-        later = logging_util.get_logger(f"test of {level}")
-        assert before.level == later.level == getattr(logging_util, level)
-    assert logging_util.get_logger("test of ML-Agents") is before and len(before.handlers) == 1
-
-
-def test_lines_of_a_logger(levels, capsys):
-    logging_util.set_log_level(logging_util.INFO)
-    logging_util.get_logger("a logger of its own").info("hello")
-    assert capsys.readouterr().out == "[INFO] hello\n"
-    logging_util.set_log_level(logging_util.DEBUG)
-    logging_util.get_logger("another of its own").debug("hello")
-    assert "DEBUG [test_13_wrappers.py:" in capsys.readouterr().out
+def test_all_loggers_have_one_level_and_write_to_standard_output():
+    done = subprocess.run(
+        [sys.executable, "-c", LOGS], cwd=ROOT / "python", capture_output=True, text=True, timeout=LIMIT, check=True
+    )
+    first, second = done.stdout.splitlines()
+    assert first == "[INFO] hello" and re.fullmatch(r"[\d-]+ [\d:]+ DEBUG \[<string>:8\] hello", second)
 
 
 @timers.timed
@@ -431,20 +427,24 @@ def added(x=0, y=1.0):
     return x + y
 
 
-def test_a_tree_of_timers():
-    stack = timers.TimerStack()
-    with mock.patch.object(timers, "_get_thread_timer", return_value=stack):
-        with timers.hierarchical_timer("all"):
-            for number in range(3):
-                with timers.hierarchical_timer("each"):
-                    assert added(number, y=number) == 2 * number
-            with pytest.raises(RuntimeError), timers.hierarchical_timer("raises"):
-                raise RuntimeError("over")
-            with timers.hierarchical_timer("goes on"):
-                pass
-        timers.set_gauge("sum", float("nan"))
-        timers.add_metadata("who", "a test")
-        tree = timers.get_timer_tree()
+@pytest.fixture
+def stacks(monkeypatch):
+    """Timers of nobody yet."""
+    monkeypatch.setattr(timers, "STACKS", type(timers.STACKS)(timers.TimerStack))
+
+
+def test_a_tree_of_timers(stacks):
+    with timers.hierarchical_timer("all"):
+        for number in range(3):
+            with timers.hierarchical_timer("each"):
+                assert added(number, y=number) == 2 * number
+        with pytest.raises(RuntimeError), timers.hierarchical_timer("raises"):
+            raise RuntimeError("over")
+        with timers.hierarchical_timer("goes on"):
+            pass
+    timers.set_gauge("sum", float("nan"))
+    timers.add_metadata("who", "a test")
+    tree = timers.get_timer_tree()
     seconds = {"total": mock.ANY, "self": mock.ANY}
     inner = {"added": {**seconds, "count": 3}}
     below = {
@@ -463,17 +463,17 @@ def test_a_tree_of_timers():
     }
 
 
-def test_a_workers_timers_are_merged():
-    with mock.patch.object(timers, "_get_thread_timer", return_value=timers.TimerStack()):
-        with timers.hierarchical_timer("step"):
-            timers.set_gauge("speed", 2.0)
-        worker, gauges = timers.get_timer_root(), timers._get_thread_timer().gauges
-    with mock.patch.object(timers, "_get_thread_timer", return_value=timers.TimerStack()):
-        timers.set_gauge("speed", 5.0)
-        timers.merge_gauges(gauges)
-        for _ in range(2):
-            timers.get_timer_root().merge(pickle.loads(pickle.dumps(worker)), root_name="worker")
-        tree = timers.get_timer_tree()
+def test_a_workers_timers_are_merged(stacks):
+    with timers.hierarchical_timer("step"):
+        timers.set_gauge("speed", 2.0)
+    worker = pickle.loads(pickle.dumps(timers.get_timer_root()))
+    gauges = timers.get_timer_stack_for_thread(threading.current_thread()).gauges
+    timers.reset_timers()
+    timers.set_gauge("speed", 5.0)
+    timers.merge_gauges(gauges)
+    for _ in range(2):
+        timers.get_timer_root().merge(worker, root_name="worker")
+    tree = timers.get_timer_tree()
     below = tree["children"]["worker"]
     assert below["is_parallel"] and below["count"] == below["children"]["step"]["count"] == 2
     assert tree["gauges"]["speed"] == {"value": 2.0, "min": 2.0, "max": 5.0, "count": 2}

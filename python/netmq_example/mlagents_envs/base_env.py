@@ -32,26 +32,25 @@ class _ActionTupleBase:
     discrete_dtype: Any = np.int32
 
     def __init__(self, continuous: Any = None, discrete: Any = None) -> None:
-        self.continuous: Any = None
-        self.discrete: Any = None
+        self.continuous = self.discrete = None
         if continuous is not None:
             self.add_continuous(continuous)
         if discrete is not None:
             self.add_discrete(discrete)
 
     def add_continuous(self, continuous: Any) -> None:
-        self.continuous = np.asarray(continuous, np.float32)
+        self.continuous: Any = np.asarray(continuous, np.float32)
         if self.discrete is None:
-            self.discrete = no_columns(len(self.continuous), self.discrete_dtype)
+            self.discrete = np.zeros((len(self.continuous), 0), self.discrete_dtype)
 
     def add_discrete(self, discrete: Any) -> None:
         given = np.asarray(discrete)
-        self.discrete = given.astype(self.discrete_dtype, copy=False)
+        self.discrete: Any = given.astype(self.discrete_dtype, copy=False)
         # As lists: to compare two arrays takes numpy longer right after a wait.
         if self.discrete_dtype is np.int32 and self.discrete is not given and self.discrete.tolist() != given.tolist():
             raise UnityActionException(f"discrete actions are whole numbers of 32 bits, not {discrete!r:.60}")
         if self.continuous is None:
-            self.continuous = no_columns(len(self.discrete), np.float32)
+            self.continuous = np.zeros((len(self.discrete), 0), np.float32)
 
 
 class ActionTuple(_ActionTupleBase):
@@ -180,13 +179,10 @@ class Steps(Mapping[AgentId, Any]):
     """Of several agents, by their ids."""
 
     agent_id: Any
-    _agent_id_to_index: dict[AgentId, int] | None = None
 
-    @property
+    @functools.cached_property
     def agent_id_to_index(self) -> dict[AgentId, int]:
-        if self._agent_id_to_index is None:
-            self._agent_id_to_index = {found: at for at, found in enumerate(self)}
-        return self._agent_id_to_index
+        return {found: at for at, found in enumerate(self)}
 
     def __len__(self) -> int:
         return len(self.agent_id)
@@ -198,7 +194,7 @@ class Steps(Mapping[AgentId, Any]):
         return agent_id in self.agent_id_to_index
 
     def index(self, agent_id: AgentId) -> int:
-        if agent_id not in self.agent_id_to_index:
+        if agent_id not in self:
             raise NoSteps(f"agent {agent_id!r:.40} is not among these {len(self)}")
         return self.agent_id_to_index[agent_id]
 
@@ -219,8 +215,8 @@ class DecisionSteps(Steps):
     def __getitem__(self, agent_id: AgentId) -> DecisionStep:
         at = self.index(agent_id)
         masks = None if self.action_mask is None else [mask[at] for mask in self.action_mask]
-        seen = [one[at] for one in self.obs]
-        return DecisionStep(seen, self.reward[at], agent_id, masks, self.group_id[at], self.group_reward[at])
+        group = self.group_id[at], self.group_reward[at]
+        return DecisionStep([one[at] for one in self.obs], self.reward[at], agent_id, masks, *group)
 
     @staticmethod
     def empty(spec: BehaviorSpec) -> "DecisionSteps":
@@ -240,9 +236,8 @@ class TerminalSteps(Steps):
 
     def __getitem__(self, agent_id: AgentId) -> TerminalStep:
         at = self.index(agent_id)
-        seen = [one[at] for one in self.obs]
-        cut = self.interrupted[at]
-        return TerminalStep(seen, self.reward[at], cut, agent_id, self.group_id[at], self.group_reward[at])
+        group = self.group_id[at], self.group_reward[at]
+        return TerminalStep([one[at] for one in self.obs], self.reward[at], self.interrupted[at], agent_id, *group)
 
     @staticmethod
     def empty(spec: BehaviorSpec) -> "TerminalSteps":
@@ -251,42 +246,7 @@ class TerminalSteps(Steps):
 
 def unseen(spec: BehaviorSpec) -> list[Any]:
     """Observations of no agent."""
-    return [nothing(one.shape) for one in spec.observation_specs]
-
-
-@functools.cache
-def nothing(shape: tuple[int, ...]) -> Any:
-    return np.zeros((0, *shape), np.float32)
-
-
-@functools.cache
-def no_columns(count: int, dtype: Any) -> Any:
-    return np.zeros((count, 0), dtype)
-
-
-class BatchedStepResult(NamedTuple):
-    """Both kinds of steps together, as early in 2020."""
-
-    obs: list[Any]
-    reward: Any
-    done: Any
-    max_step: Any
-    agent_id: Any
-    action_mask: list[Any] | None
-
-    def n_agents(self) -> int:
-        return len(self.agent_id)
-
-
-def batched(now: DecisionSteps, ended: TerminalSteps) -> BatchedStepResult:
-    """First those that have ended."""
-    obs = [np.concatenate(both) for both in zip(ended.obs, now.obs, strict=True)]
-    cut = np.append(ended.interrupted, np.zeros(len(now), bool))
-    none = [np.zeros((len(ended), mask.shape[1]), bool) for mask in now.action_mask or ()]
-    masks = now.action_mask and [np.concatenate(both) for both in zip(none, now.action_mask, strict=True)]
-    ids = np.append(ended.agent_id, now.agent_id)
-    done = np.arange(len(ids)) < len(ended)
-    return BatchedStepResult(obs, np.append(ended.reward, now.reward), done, cut, ids, masks)
+    return [np.zeros((0, *one.shape), np.float32) for one in spec.observation_specs]
 
 
 class BaseEnv(ABC):

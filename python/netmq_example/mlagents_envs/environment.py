@@ -12,9 +12,10 @@ scenes, those of lessons 09 to 11 in C# or Python, go by Python's: all agents ac
 anew within it; this needs gymnasium. In both an agent keeps its id over its episodes. It needs pyzmq and numpy.
 """
 
+import contextlib
 import importlib
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from netmq_example import check
@@ -27,8 +28,6 @@ from netmq_example.mlagents_envs.base_env import *  # noqa: F403
 from netmq_example.mlagents_envs.exception import *  # noqa: F403
 from netmq_example.mlagents_envs.side_channel import *  # noqa: F403
 from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
-
-NOBODY = None, None
 
 
 class UnityEnvironment(base_env.BaseEnv):
@@ -47,6 +46,7 @@ class UnityEnvironment(base_env.BaseEnv):
     API_VERSION = "1.5.0"
     DEFAULT_EDITOR_PORT = 5004
     BASE_ENVIRONMENT_PORT = 5005
+    academy_capabilities = env_utils.Capabilities()
 
     def __init__(
         self,
@@ -76,15 +76,11 @@ class UnityEnvironment(base_env.BaseEnv):
             raise TypeError(f"additional_args takes a list of words, not {additional_args!r:.40}")
         self._additional_args = [*(additional_args or ())]
         self._side_channel_manager = SideChannelManager([*(side_channels or ())])
-        self._seed = check.count("seed", seed, least=-(2**31))
         # 0 is no limit, as for Max Step.
-        self._max_step = check.count("max_episode_steps", max_episode_steps or 0, least=0)
-        self._channels_first = channels_first
-        self._spaces = observation_space, action_space
+        limit = check.count("max_episode_steps", max_episode_steps or 0, least=0)
+        spaces = observation_space, action_space
+        self._clock_words = check.count("seed", seed, least=-(2**31)), channels_first, limit, spaces
         self._clock: Any = None
-        self._begun = False
-        self._actions: dict[str, base_env.ActionTuple] = {}
-        self.academy_capabilities = env_utils.Capabilities()
         # Not before they are needed: their package registers environments with Gymnasium.
         from netmq_example.envs.side_channels import StepCarrier
         from netmq_example.envs.simulators import Simulators
@@ -101,13 +97,12 @@ class UnityEnvironment(base_env.BaseEnv):
                 self._log_folder = None
             words["launch"] = [*program, *self._executable_args()]
         self._launches = "launch" in words
-        try:
+        with self._by_their_names(exception.UnityEnvironmentException):
             self._simulators = Simulators(**words)
             if self._side_channel_manager.channels:
                 self._simulators.ask = StepCarrier(self._simulators.ask, self._side_channel_manager).ask
             self._end = self._simulators.start(self, self._accept)
-        except (OSError, MessageError) as error:
-            raise self._named(error, exception.UnityEnvironmentException) from None
+        self._begun = False
 
     def _executable_args(self) -> list[str]:
         """The words of a build; --endpoint follows them."""
@@ -123,24 +118,30 @@ class UnityEnvironment(base_env.BaseEnv):
             if hello.values.get("clock") != "scene":
                 # By name: it needs gymnasium.
                 kind = importlib.import_module("netmq_example.mlagents_envs.python_clock").PythonClock
-            self._clock = kind(self._seed, self._channels_first, self._max_step, self._spaces)
+            self._clock = kind(*self._clock_words)
         self._clock.connected(hello)
 
-    def _named(self, error: Exception, other: Any = exception.UnityCommunicationException) -> Exception:
-        """The same error by ML-Agents' name."""
-        match error:
-            case exception.UnityException():
-                return error
-            case Lost():
-                why = f"the simulator is lost: {error}; reset waits for another one"
-                return exception.UnityCommunicatorStoppedException(why)
-            case TimeoutError():
-                return exception.UnityTimeOutException(str(error))
-            case OSError() if self._launches:
-                return exception.UnityEnvironmentException(str(error))
-            case OSError():
-                return exception.UnityWorkerInUseException(self._worker_id, str(error))
-        return other(str(error))  # type: ignore[no-any-return]
+    @contextlib.contextmanager
+    def _by_their_names(self, other: Any = exception.UnityCommunicationException) -> Iterator[None]:
+        """Errors have ML-Agents' names; after one of the other side the next step is a reset."""
+        self._begun = False
+        self._actions: dict[str, base_env.ActionTuple] = {}
+        try:
+            yield
+        except exception.UnityException:
+            raise
+        except Lost as error:
+            why = f"the simulator is lost: {error}; reset waits for another one"
+            raise exception.UnityCommunicatorStoppedException(why) from None
+        except TimeoutError as error:
+            raise exception.UnityTimeOutException(str(error)) from None
+        except OSError as error:
+            if self._launches:
+                raise exception.UnityEnvironmentException(str(error)) from None
+            raise exception.UnityWorkerInUseException(self._worker_id, str(error)) from None
+        except MessageError as error:
+            raise other(str(error)) from None
+        self._begun = True
 
     @property
     def _loaded(self) -> bool:
@@ -164,30 +165,21 @@ class UnityEnvironment(base_env.BaseEnv):
 
     def reset(self) -> None:
         self._check_loaded()
-        self._actions = {}
-        self._begun = False
-        try:
+        with self._by_their_names():
             self._simulators.begin(self._accept, lambda lost: self._clock.reset(self._simulators.ask))
-        except (OSError, MessageError) as error:
-            raise self._named(error) from None
-        self._begun = True
 
     def step(self) -> None:
         if not self._begun:
             self.reset()
             return
         actions = self._actions
-        self._actions = {}
-        self._begun = False
         try:
-            self._clock.step(self._simulators.ask, actions)
-        except (OSError, MessageError) as error:
-            raise self._named(error) from None
+            with self._by_their_names():
+                self._clock.step(self._simulators.ask, actions)
         except ValueError as error:
             # Nothing has moved.
             self._begun = True
             raise exception.UnityActionException(str(error)) from None
-        self._begun = True
 
     def close(self) -> None:
         self._check_loaded()
@@ -207,46 +199,39 @@ class UnityEnvironment(base_env.BaseEnv):
         return specs[behavior_name]
 
     def get_steps(self, behavior_name: str) -> tuple[base_env.DecisionSteps, base_env.TerminalSteps]:
-        spec = self.get_behavior_spec(behavior_name)
-        self._check_loaded()
+        self.get_behavior_spec(behavior_name)
         if not self._begun:
             raise exception.NoSteps("call reset before get_steps")
-        now, ended = self._clock.turns.get(behavior_name, NOBODY)
-        now = base_env.DecisionSteps.empty(spec) if now is None else now
-        return now, base_env.TerminalSteps.empty(spec) if ended is None else ended
+        now, ended = self._clock.turns[behavior_name]
+        return now, ended
 
     def set_actions(self, behavior_name: str, action: Any) -> None:
         """An ActionTuple, or as early in 2020 an array. Before the first reset, and for nobody, nothing is set."""
         spec = self.get_behavior_spec(behavior_name)
-        now, _ = self._clock.turns.get(behavior_name, NOBODY)
-        if now and self._begun:
-            self._actions[behavior_name] = as_tuple(action, spec, len(now), behavior_name)
+        if self._begun and (count := len(self._clock.turns[behavior_name][0])):
+            self._actions[behavior_name] = as_tuple(action, spec, count, behavior_name)
 
     def set_action_for_agent(self, behavior_name: str, agent_id: int, action: Any) -> None:
         spec = self.get_behavior_spec(behavior_name)
         if not self._begun:
             return
-        now, _ = self._clock.turns.get(behavior_name, NOBODY)
-        if not now or agent_id not in now:
+        now, _ = self._clock.turns[behavior_name]
+        if agent_id not in now:
             raise exception.NoRequest(f"agent {agent_id!r:.40} of {behavior_name} wants no action in this step")
         given = as_tuple(action, spec, 1, behavior_name)
         row = now.agent_id_to_index[agent_id]
-        old = self._actions.get(behavior_name) or spec.action_spec.empty_action(len(now))
-        # Its arrays may be the caller's.
-        floats, numbers = old.continuous.copy(), old.discrete.copy()
-        floats[row] = given.continuous
-        numbers[row] = given.discrete
-        self._actions[behavior_name] = base_env.ActionTuple(floats, numbers)
+        every = spec.action_spec.empty_action(len(now))
+        # A copy: its arrays may be the caller's.
+        if old := self._actions.get(behavior_name):
+            every.continuous[:], every.discrete[:] = old.continuous, old.discrete
+        every.continuous[row], every.discrete[row] = given.continuous, given.discrete
+        self._actions[behavior_name] = every
 
-    # Of 2020.
-
+    # The second one is of 2020.
     def get_behavior_names(self) -> list[str]:
         return list(self._env_specs)
 
     get_agent_groups = get_behavior_names
-
-    def get_step_result(self, agent_group_name: str) -> base_env.BatchedStepResult:
-        return base_env.batched(*self.get_steps(agent_group_name))
 
 
 def as_tuple(action: Any, spec: base_env.BehaviorSpec, count: int, name: str) -> Any:

@@ -11,7 +11,7 @@ It needs gymnasium and numpy.
 import functools
 import math
 import operator
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -24,57 +24,51 @@ from netmq_example.mlagents_envs.scene_clock import PICTURE, as_picture, channel
 
 # The last dimension of a picture.
 CHANNELS = (1, 3, 4)
-CURE = "take gymnasium.make"
-
-Maker = Callable[[Any, Any], Any]
 
 
 class Done:
     """Actions of a space: floats of each Box, and a branch for each number of all others."""
 
     def __init__(self, space: spaces.Space[Any]) -> None:
-        self.floats = 0
-        self.branches: list[int] = []
-        # It takes floats and whole numbers, [agents, size].
-        self.batch = self.maker(space)
-        self.spec = ActionSpec(self.floats, tuple(self.branches))
+        self.space = space
+        # Of each array, whether it is floats, and its columns among them or among the branches.
+        self.leaves: list[tuple[bool, slice]] = []
+        floats, branches = 0, []
+        for _, leaf in leaves_of(space, (), "action"):
+            if isinstance(leaf, spaces.Box):
+                self.leaves.append((True, slice(floats, floats + math.prod(leaf.shape))))
+                floats += math.prod(leaf.shape)
+            else:
+                choices = choices_of(leaf)
+                self.leaves.append((False, slice(len(branches), len(branches) + len(choices))))
+                branches += choices
+        self.spec = ActionSpec(floats, tuple(branches))
 
-    def maker(self, space: Any) -> Maker:
-        match space:
-            case spaces.Dict():
-                parts = {key: self.maker(part) for key, part in space.items()}
-                return lambda floats, numbers: {key: make(floats, numbers) for key, make in parts.items()}
-            case spaces.Tuple():
-                items = [self.maker(part) for part in space]
-                return lambda floats, numbers: tuple(make(floats, numbers) for make in items)
-            case spaces.Box():
-                part = part_of(space, self.floats)
-                self.floats += math.prod(space.shape)
-                return lambda floats, _: part(floats)
-            case spaces.Discrete():
-                return self.choices(space, [int(space.n)])
-            case spaces.MultiDiscrete():
-                return self.choices(space, space.nvec.ravel().tolist())
-            case spaces.MultiBinary():
-                return self.choices(space, [2] * math.prod(space.shape))
-        raise MessageError("no-action", f"ML-Agents has no action {space!s:.80}: {CURE}")
-
-    def choices(self, space: Any, counts: list[int]) -> Maker:
-        part = part_of(space, len(self.branches))
-        self.branches += counts
-        # They may begin elsewhere than at 0.
-        start = getattr(space, "start", 0)
-        if not np.any(start):
-            return lambda _, numbers: part(numbers).astype(space.dtype)
-        return lambda _, numbers: (part(numbers) + start).astype(space.dtype)
+    def batch(self, floats: Any, numbers: Any) -> Any:
+        """Of floats and whole numbers, [agents, size]."""
+        parts = ((floats if is_float else numbers)[:, columns] for is_float, columns in self.leaves)
+        return filled(self.space, parts)
 
 
-def part_of(space: Any, at: int) -> Callable[[Any], Any]:
-    """Takes the columns of a space, from this one on, out of [agents, size]."""
-    end = at + math.prod(space.shape)
-    shape = -1, *space.shape
-    # By fewer calls of numpy, which is slow right after a wait.
-    return (lambda rows: rows[:, at:end].reshape(shape)) if space.shape else lambda rows: rows[:, at]
+def choices_of(leaf: Any) -> list[int]:
+    match leaf:
+        case spaces.Discrete():
+            return [int(leaf.n)]
+        case spaces.MultiDiscrete():
+            return leaf.nvec.ravel().tolist()  # type: ignore[no-any-return]
+    return [2] * math.prod(leaf.shape)
+
+
+def filled(space: Any, parts: Iterator[Any]) -> Any:
+    """The space's own dicts and tuples, with these arrays in them."""
+    match space:
+        case spaces.Dict():
+            return {key: filled(part, parts) for key, part in space.items()}
+        case spaces.Tuple():
+            return tuple(filled(part, parts) for part in space)
+    part = next(parts).reshape(-1, *space.shape)
+    # Choices may begin elsewhere than at 0.
+    return part if isinstance(space, spaces.Box) else (part + getattr(space, "start", 0)).astype(space.dtype)
 
 
 class Seen:
@@ -82,14 +76,13 @@ class Seen:
 
     def __init__(self, space: spaces.Space[Any], choices: int, channels_first: bool = True) -> None:
         self.channels_first = channels_first
-        leaves = dict(leaves_of(space, ()))
-        mask = leaves.get((MASK,))
+        self.leaves = dict(leaves_of(space, (), "observation"))
+        mask = self.leaves.get((MASK,))
         # Of another size it is something else.
         self.masked = bool(choices) and mask is not None and math.prod(mask.shape) == choices
         if self.masked:
-            del leaves[MASK,]
-        self.specs = [self.described(path, leaf) for path, leaf in leaves.items()]
-        self.readers = [(path, self.reader(leaf)) for path, leaf in leaves.items()]
+            del self.leaves[MASK,]
+        self.specs = [self.described(path, leaf) for path, leaf in self.leaves.items()]
 
     def described(self, path: tuple[Any, ...], leaf: Any) -> ObservationSpec:
         name = ".".join(map(str, path)) or "observation"
@@ -103,29 +96,26 @@ class Seen:
 
     def split(self, batch: Any) -> list[Any]:
         """An array for each observation; the batch belongs to nobody else."""
-        return [read(functools.reduce(operator.getitem, path, batch)) for path, read in self.readers]
+        return [self.read(functools.reduce(operator.getitem, path, batch), leaf) for path, leaf in self.leaves.items()]
 
-    def reader(self, leaf: Any) -> Callable[[Any], Any]:
+    def read(self, part: Any, leaf: Any) -> Any:
         if is_picture(leaf):
-            return lambda part: as_picture(np.moveaxis(part, 3, 1) if self.channels_first else part)
-        if leaf.dtype == np.float32 and leaf.shape:
-            return lambda part: part
-        if leaf.shape:
-            return lambda part: part.astype(np.float32)
-        return lambda part: part.astype(np.float32).reshape(-1, 1)
+            return as_picture(np.moveaxis(part, 3, 1) if self.channels_first else part)
+        return part.astype(np.float32, copy=False).reshape(-1, *(leaf.shape or (1,)))
 
 
 def is_picture(leaf: Any) -> bool:
     return len(leaf.shape) == 3 and leaf.dtype == np.uint8 and leaf.shape[2] in CHANNELS
 
 
-def leaves_of(space: Any, path: tuple[Any, ...]) -> Iterator[tuple[tuple[Any, ...], Any]]:
+def leaves_of(space: Any, path: tuple[Any, ...], word: str) -> Iterator[tuple[tuple[Any, ...], Any]]:
+    """The arrays of a space, each with the keys that lead to it."""
     match space:
         case spaces.Dict() | spaces.Tuple():
             for key, part in space.items() if isinstance(space, spaces.Dict) else enumerate(space):
-                yield from leaves_of(part, (*path, key))
+                yield from leaves_of(part, (*path, key), word)
         case spaces.Box() | spaces.Discrete() | spaces.MultiDiscrete() | spaces.MultiBinary():
             yield path, space
         case _:
             where = f" at {'.'.join(map(str, path))}" if path else ""
-            raise MessageError("no-observation", f"ML-Agents has no observation {space!s:.80}{where}: {CURE}")
+            raise MessageError(f"no-{word}", f"ML-Agents has no {word} {space!s:.80}{where}: take gymnasium.make")

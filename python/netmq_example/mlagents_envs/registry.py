@@ -6,31 +6,24 @@
 There are those that you register: ML-Agents' own builds cannot be downloaded any more.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
 CURE = "register(LocalRegistryEntry(identifier, file_name=path)), of netmq_example.mlagents_envs.registry"
 
 
 @dataclass
-class BaseRegistryEntry:
-    """Derive from it and write `make`."""
+class LocalRegistryEntry:
+    """A build on this machine, or a simulator's script. ML-Agents has no such entry: any object with `identifier` and
+    `make` is one as well.
+    """
 
     identifier: str
     expected_reward: float | None = None
     description: str | None = None
-
-    def make(self, **kwargs: Any) -> Any:
-        """A UnityEnvironment."""
-        raise NotImplementedError(f"{type(self).__name__} of {self.identifier!r} has no make")
-
-
-@dataclass
-class LocalRegistryEntry(BaseRegistryEntry):
-    """A build on this machine, or a simulator's script. ML-Agents has no such entry."""
-
-    file_name: str = field(kw_only=True)
-    additional_args: list[str] = field(default_factory=list, kw_only=True)
+    _: KW_ONLY
+    file_name: str
+    additional_args: tuple[str, ...] = ()
 
     def make(self, **kwargs: Any) -> Any:
         """A UnityEnvironment by these words, but for file_name."""
@@ -40,16 +33,16 @@ class LocalRegistryEntry(BaseRegistryEntry):
         return UnityEnvironment(**{**kwargs, "file_name": self.file_name}, additional_args=words)
 
 
-class UnityEnvRegistry(dict[str, BaseRegistryEntry]):
+class UnityEnvRegistry(dict[str, Any]):
     """The entries by their identifiers; of two with the same one the newer stays."""
 
-    def register(self, new_entry: BaseRegistryEntry) -> None:
+    def register(self, new_entry: Any) -> None:
         self[new_entry.identifier] = new_entry
 
     def register_from_yaml(self, path_to_yaml: str) -> None:
         raise NotImplementedError(f"{path_to_yaml} lists builds to download, and this kit downloads none: {CURE}")
 
-    def __missing__(self, identifier: str) -> BaseRegistryEntry:
+    def __missing__(self, identifier: str) -> Any:
         why = "ML-Agents' own builds cannot be downloaded any more"
         raise KeyError(f"no environment {identifier!r} is registered, and {why}: {CURE}")
 

@@ -16,6 +16,7 @@ import math
 import sys
 import threading
 import time
+from collections import defaultdict
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any, ParamSpec, TypeVar
@@ -33,9 +34,9 @@ class TimerNode:
     count: int = 0
     is_parallel: bool = False
 
-    def merge(self, other: "TimerNode", root_name: str | None = None, is_parallel: bool = True) -> None:
-        """Adds another tree, below `root_name` if that is given."""
-        node = self.children.setdefault(root_name, TimerNode()) if root_name else self
+    def merge(self, other: "TimerNode", root_name: str, is_parallel: bool = True) -> None:
+        """Adds another tree, below this name."""
+        node = self.children.setdefault(root_name, TimerNode())
         node.total += other.total
         node.count += other.count
         node.is_parallel |= is_parallel
@@ -58,22 +59,12 @@ class TimerStack:
         self.open = [self.root]
         self.start = time.perf_counter()
         self.gauges: dict[str, dict[str, float]] = {}
-        self.metadata = {
-            "timer_format_version": "0.1.0",
-            "start_time_seconds": str(int(time.time())),
-            "python_version": sys.version,
-            "command_line_arguments": " ".join(sys.argv),
-        }
+        command = " ".join(sys.argv)
+        self.metadata = {"timer_format_version": "0.1.0", "start_time_seconds": str(int(time.time()))}
+        self.metadata |= {"python_version": sys.version, "command_line_arguments": command}
 
 
-STACKS: dict[int | None, TimerStack] = {}
-
-
-def _get_thread_timer() -> TimerStack:
-    thread = threading.get_ident()
-    if thread not in STACKS:
-        STACKS[thread] = TimerStack()
-    return STACKS[thread]
+STACKS: dict[int | None, TimerStack] = defaultdict(TimerStack)
 
 
 def get_timer_stack_for_thread(t: threading.Thread) -> TimerStack | None:
@@ -83,7 +74,7 @@ def get_timer_stack_for_thread(t: threading.Thread) -> TimerStack | None:
 @contextlib.contextmanager
 def hierarchical_timer(name: str) -> Iterator[TimerNode]:
     """Adds the time of a block of code, also of one that raises."""
-    blocks = _get_thread_timer().open
+    blocks = STACKS[threading.get_ident()].open
     node = blocks[-1].children.setdefault(name, TimerNode())
     blocks.append(node)
     start = time.perf_counter()
@@ -113,7 +104,7 @@ def set_gauge(name: str, value: float) -> None:
 
 
 def merge_gauges(gauges: dict[str, dict[str, float]]) -> None:
-    own = _get_thread_timer().gauges
+    own = STACKS[threading.get_ident()].gauges
     for name, new in gauges.items():
         old = own.get(name, {**new, "count": 0})
         low, high = min(old["min"], new["min"]), max(old["max"], new["max"])
@@ -121,18 +112,18 @@ def merge_gauges(gauges: dict[str, dict[str, float]]) -> None:
 
 
 def add_metadata(key: str, value: str) -> None:
-    _get_thread_timer().metadata[key] = value
+    STACKS[threading.get_ident()].metadata[key] = value
 
 
 def get_timer_root() -> TimerNode:
-    stack = _get_thread_timer()
+    stack = STACKS[threading.get_ident()]
     stack.root.total = time.perf_counter() - stack.start
     stack.root.count = 1
     return stack.root
 
 
 def get_timer_tree() -> dict[str, Any]:
-    stack = _get_thread_timer()
+    stack = STACKS[threading.get_ident()]
     metadata = {**stack.metadata, "end_time_seconds": str(int(time.time()))}
     gauges = {"gauges": stack.gauges} if stack.gauges else {}
     return {"name": "root", **gauges, "metadata": metadata, **get_timer_root().tree()}

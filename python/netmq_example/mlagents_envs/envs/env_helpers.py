@@ -2,18 +2,15 @@
 
     "Ball?team=0?agent_id=3"        the agent 3 of the behavior "Ball?team=0"
 
-It needs nothing but Python.
+It needs nothing but Python, until an environment is made.
 """
 
 import functools
 import importlib
-import sys
-from typing import Any, TypeVar
+from typing import Any
 from urllib.parse import parse_qs, urlparse
 
 from netmq_example.extras import pip_install, without
-
-T = TypeVar("T")
 
 AGENT_ID = "?agent_id="
 
@@ -43,19 +40,21 @@ def find_spaces() -> Any:
     raise ModuleNotFoundError(f"no gym and no gymnasium, whose spaces this has: {pip_install('gymnasium')}", name="gym")
 
 
+def action_space(spaces: Any, spec: Any) -> Any:
+    """Floats from -1 to 1, and choices: both in a tuple. None where nothing is done."""
+    parts = [spaces.Box(-1, 1, (spec.continuous_size,))] if spec.continuous_size else []
+    if spec.discrete_size == 1:
+        parts.append(spaces.Discrete(spec.discrete_branches[0]))
+    elif spec.discrete_size:
+        parts.append(spaces.MultiDiscrete(spec.discrete_branches))
+    return spaces.Tuple(parts) if len(parts) > 1 else next(iter(parts), None)
+
+
 @functools.cache
-def derived(kind: Any, base: Any) -> Any:
-    return type(kind.__name__, (kind, base), {"__module__": kind.__module__, "__doc__": kind.__doc__})
-
-
-def with_base(kind: type[T], library: str, base: str, needed: bool) -> type[T]:
-    """The same class, derived from a library's base as well: the library is loaded only when an object is made."""
-    if not needed and not sys.modules.get(library):
-        return kind
+def derived(kind: Any, base: str) -> Any:
+    """The same class, derived from PettingZoo's as well, which is loaded only when an object is made."""
     try:
-        found = getattr(importlib.import_module(library), base)
+        found = getattr(importlib.import_module("pettingzoo"), base)
     except ImportError as error:
         raise without(error) from None
-    own: Any = kind
-    both: type[T] = kind if issubclass(kind, found) else derived(own, found)
-    return both
+    return type(kind.__name__, (kind, found), {"__module__": kind.__module__, "__doc__": kind.__doc__})

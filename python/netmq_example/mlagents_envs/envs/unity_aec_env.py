@@ -10,10 +10,8 @@ The scene goes on when all have had their turn. It has the four values of Pettin
 UnityAECEnv of netmq_example.envs has today's. It needs PettingZoo when it is made.
 """
 
-from typing import Any, Self
+from typing import Any
 
-from netmq_example.mlagents_envs.base_env import BaseEnv
-from netmq_example.mlagents_envs.envs.env_helpers import with_base
 from netmq_example.mlagents_envs.envs.unity_pettingzoo_base_env import UnityPettingzooBaseEnv
 from netmq_example.mlagents_envs.exception import UnityException
 
@@ -21,11 +19,7 @@ from netmq_example.mlagents_envs.exception import UnityException
 class UnityAECEnv(UnityPettingzooBaseEnv):
     """An agent that has ended takes its last turn with the action None."""
 
-    def __new__(cls, *args: object, **words: object) -> Self:
-        return object.__new__(with_base(cls, "pettingzoo", "AECEnv", needed=True))
-
-    def __init__(self, env: BaseEnv, seed: int | None = None) -> None:
-        super().__init__(env, seed)
+    kind = "AECEnv"
 
     def step(self, action: Any) -> None:
         self._assert_loaded()
@@ -38,12 +32,8 @@ class UnityAECEnv(UnityPettingzooBaseEnv):
             self._step()
 
     def observe(self, agent_id: str) -> tuple[Any, float, bool, dict[str, Any]]:
-        return (
-            self._observations[agent_id],
-            self._cumm_rewards[agent_id],
-            self.dones[agent_id],
-            self.infos[agent_id],
-        )
+        reward, done = self._cumm_rewards[agent_id], self.dones[agent_id]
+        return self._observations[agent_id], reward, done, self.infos[agent_id]
 
     def last(self, observe: bool = True) -> tuple[Any, float, bool, dict[str, Any]]:
         """Of the agent whose turn it is; the reward is that of its last step."""

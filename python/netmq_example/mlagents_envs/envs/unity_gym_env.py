@@ -9,18 +9,21 @@ netmq_example.envs has them.
 """
 
 import itertools
+import sys
 from collections.abc import Sequence
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 
 import numpy as np
 
 from netmq_example.mlagents_envs import logging_util
 from netmq_example.mlagents_envs.base_env import ActionTuple, BaseEnv, DecisionSteps, TerminalSteps
-from netmq_example.mlagents_envs.envs.env_helpers import find_spaces, with_base
+from netmq_example.mlagents_envs.envs.env_helpers import action_space, find_spaces
 from netmq_example.mlagents_envs.exception import UnityException
 
 logger = logging_util.get_logger(__name__)
 
+# A program that knows gym may ask whether this is one of its environments.
+Env: Any = getattr(sys.modules.get("gym"), "Env", object)
 GymStepResult = tuple[Any, float, bool, dict[str, Any]]
 
 
@@ -28,7 +31,7 @@ class UnityGymException(UnityException):
     """The scene does not fit into gym, or a step after the end of an episode."""
 
 
-class UnityToGymWrapper:
+class UnityToGymWrapper(Env):
     """Its constructor resets the environment, and its close closes it.
 
     Of several observations the first picture is seen, or without one all vectors as one; with `allow_multiple_obs` a
@@ -38,10 +41,6 @@ class UnityToGymWrapper:
 
     reward_range = (-float("inf"), float("inf"))
     metadata: ClassVar[dict[str, list[str]]] = {"render.modes": ["rgb_array"]}
-
-    def __new__(cls, *args: object, **words: object) -> Self:
-        # A program that knows gym may ask whether this is one of its environments.
-        return object.__new__(with_base(cls, "gym", "Env", needed=False))
 
     def __init__(
         self,
@@ -56,9 +55,7 @@ class UnityToGymWrapper:
         self._flattener: ActionFlattener | None = None
         self.game_over = False
         self.visual_obs: Any = None
-        if not unity_env.behavior_specs:
-            # The first step is a reset, which brings the names.
-            unity_env.step()
+        unity_env.reset()
         if len(unity_env.behavior_specs) != 1:
             raise UnityGymException(f"gym has one behavior, and the scene {len(unity_env.behavior_specs)}")
         self.name, self.group_spec = next(iter(unity_env.behavior_specs.items()))
@@ -72,45 +69,30 @@ class UnityToGymWrapper:
             logger.warning("uint8_visual does nothing: the agent observes no picture")
         if len(self.pictures) + bool(self.vector_size) > 1 and not allow_multiple_obs:
             logger.warning("only the first picture is seen: allow_multiple_obs=True shows all observations")
-        unity_env.reset()
-        self._previous_decision_step, _ = unity_env.get_steps(self.name)
-        self._check_agents(len(self._previous_decision_step))
-        self.action_space = self.make_action_space(flatten_branched)
+        spec = self.group_spec.action_spec
+        if spec.is_continuous() == spec.is_discrete():
+            raise UnityGymException("gym's actions are continuous or discrete, and this agent's are both, or nothing")
+        if flatten_branched and spec.is_continuous():
+            logger.warning("flatten_branched does nothing: the action is continuous")
+        self.action_size = spec.continuous_size or spec.discrete_size
+        spaces = find_spaces()
+        self.action_space = action_space(spaces, spec)
+        if flatten_branched and spec.discrete_size > 1:
+            self._flattener = ActionFlattener(spec.discrete_branches)
+            self.action_space = self._flattener.action_space
         if action_space_seed is not None:
             self.action_space.seed(action_space_seed)
-        self.observation_space = self.make_observation_space()
-
-    def make_action_space(self, flatten_branched: bool) -> Any:
-        spaces, spec = find_spaces(), self.group_spec.action_spec
-        if spec.is_continuous():
-            if flatten_branched:
-                logger.warning("flatten_branched does nothing: the action is continuous")
-            self.action_size = spec.continuous_size
-            return spaces.Box(-1, 1, (self.action_size,), np.float32)
-        if not spec.is_discrete():
-            raise UnityGymException("gym's actions are continuous or discrete, and this agent's are both, or nothing")
-        self.action_size = spec.discrete_size
-        if self.action_size == 1:
-            return spaces.Discrete(spec.discrete_branches[0])
-        if not flatten_branched:
-            return spaces.MultiDiscrete(spec.discrete_branches)
-        self._flattener = ActionFlattener(spec.discrete_branches)
-        return self._flattener.action_space
-
-    def make_observation_space(self) -> Any:
-        spaces = find_spaces()
         high, dtype = (255, np.uint8) if self.uint8_visual else (1, np.float32)
         each = [spaces.Box(0, high, shape, dtype) for shape in self.pictures]
         if self.vector_size:
             each.append(spaces.Box(-np.inf, np.inf, (self.vector_size,), np.float32))
-        return spaces.Tuple(each) if self._allow_multiple_obs else each[0]
+        self.observation_space = spaces.Tuple(each) if allow_multiple_obs else each[0]
+        self._single_step(unity_env.get_steps(self.name)[0])
 
     def reset(self) -> Any:
         self._env.reset()
-        steps, _ = self._env.get_steps(self.name)
-        self._check_agents(len(steps))
         self.game_over = False
-        return self._single_step(steps)[0]
+        return self._single_step(self._env.get_steps(self.name)[0])[0]
 
     def step(self, action: Any) -> GymStepResult:
         """The info has ML-Agents' own rows, `info["step"]`, with the action mask."""
@@ -123,28 +105,21 @@ class UnityToGymWrapper:
         self._env.set_actions(self.name, ActionTuple(action) if continuous else ActionTuple(discrete=action))
         self._env.step()
         decisions, ends = self._env.get_steps(self.name)
-        self._check_agents(max(len(decisions), len(ends)))
         self.game_over = len(ends) > 0
         return self._single_step(ends if self.game_over else decisions)
 
     def _single_step(self, info: DecisionSteps | TerminalSteps) -> GymStepResult:
-        if not len(info):
-            raise UnityGymException("there is no agent any more that wants an action")
-        seen = [self._preprocess_single(obs[0]) for obs in info.obs if obs.ndim == 4]
+        if len(info) != 1:
+            raise UnityGymException(f"gym has one agent, and the scene {len(info)} whose turn it is")
+        seen = [obs[0] for obs in info.obs if obs.ndim == 4]
+        if self.uint8_visual:
+            seen = [(255.0 * picture).astype(np.uint8) for picture in seen]
         if seen:
             self.visual_obs = seen[0]
         if self.vector_size:
             seen.append(np.concatenate([obs[0] for obs in info.obs if obs.ndim == 2]))
         done = isinstance(info, TerminalSteps)
         return seen if self._allow_multiple_obs else seen[0], float(info.reward[0]), done, {"step": info}
-
-    def _preprocess_single(self, single_visual_obs: Any) -> Any:
-        return (255.0 * single_visual_obs).astype(np.uint8) if self.uint8_visual else single_visual_obs
-
-    @staticmethod
-    def _check_agents(n_agents: int) -> None:
-        if n_agents > 1:
-            raise UnityGymException(f"gym has one agent, and the scene {n_agents}")
 
     def render(self, mode: str = "rgb_array") -> Any:
         """The picture that was seen last; nothing is rendered anew."""

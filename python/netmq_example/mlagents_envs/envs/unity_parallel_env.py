@@ -8,10 +8,8 @@ It has the four values of PettingZoo 1.15, which ML-Agents wants. Libraries of t
 netmq_example.envs has them. It needs PettingZoo when it is made.
 """
 
-from typing import Any, Self
+from typing import Any
 
-from netmq_example.mlagents_envs.base_env import BaseEnv
-from netmq_example.mlagents_envs.envs.env_helpers import with_base
 from netmq_example.mlagents_envs.envs.unity_pettingzoo_base_env import UnityPettingzooBaseEnv
 from netmq_example.mlagents_envs.exception import UnityException
 
@@ -19,15 +17,7 @@ from netmq_example.mlagents_envs.exception import UnityException
 class UnityParallelEnv(UnityPettingzooBaseEnv):
     """A step has an action for each of `agents`; who is left out gets zeros."""
 
-    def __new__(cls, *args: object, **words: object) -> Self:
-        return object.__new__(with_base(cls, "pettingzoo", "ParallelEnv", needed=True))
-
-    def __init__(self, env: BaseEnv, seed: int | None = None) -> None:
-        super().__init__(env, seed)
-
-    def reset(self) -> dict[str, Any]:
-        super().reset()
-        return self._observations
+    kind = "ParallelEnv"
 
     def step(self, actions: dict[str, Any]) -> tuple[dict[str, Any], ...]:
         self._assert_loaded()
