@@ -8,6 +8,7 @@ using System;
 using System.Buffers.Text;
 using System.Collections.Generic;
 using System.Globalization;
+using System.Runtime.InteropServices;
 using System.Text;
 
 namespace NetMQExample
@@ -24,13 +25,14 @@ namespace NetMQExample
         // that another one has replaced meanwhile is still right.
         private static readonly string[] Known = new string[64];
 
-        private readonly ReadOnlySpan<byte> bytes;
+        // Only read. Mono lacks the indexer of a ReadOnlySpan that C# asks for.
+        private readonly Span<byte> bytes;
 
         /// <summary>Looks at a whole JSON text, and goes to its beginning.</summary>
         /// <exception cref="MessageException">It is none, or deeper than any header.</exception>
         public MessageReader(ReadOnlySpan<byte> bytes)
         {
-            this.bytes = bytes;
+            this.bytes = MemoryMarshal.CreateSpan(ref MemoryMarshal.GetReference(bytes), bytes.Length);
             At = 0;
             Skip();
             if (Next() >= 0) throw Wrong("more follows it");
@@ -97,7 +99,7 @@ namespace NetMQExample
 
         /// <summary>Goes past a value.</summary>
         /// <returns>Its bytes.</returns>
-        public ReadOnlySpan<byte> Skip()
+        public Span<byte> Skip()
         {
             Next();
             var start = At;
@@ -106,15 +108,15 @@ namespace NetMQExample
         }
 
         /// <summary>Whether this word is a whole number.</summary>
-        public static bool IsWhole(ReadOnlySpan<byte> word) =>
+        public static bool IsWhole(Span<byte> word) =>
             word[0] <= '9' && word[0] != '"' && word.IndexOfAny((byte)'.', (byte)'e', (byte)'E') < 0;
 
         /// <summary>Its number. One that no long can hold is exact nowhere: it is a long that nobody takes.</summary>
-        public static long Whole(ReadOnlySpan<byte> word) =>
+        public static long Whole(Span<byte> word) =>
             Utf8Parser.TryParse(word, out long number, out _) ? number : long.MaxValue;
 
         /// <summary>Any number.</summary>
-        public static double Real(ReadOnlySpan<byte> word)
+        public static double Real(Span<byte> word)
         {
             Span<char> letters = word.Length <= 64 ? stackalloc char[word.Length] : new char[word.Length];
             for (var i = 0; i < word.Length; i++) letters[i] = (char)word[i];
@@ -123,7 +125,7 @@ namespace NetMQExample
                 ? number : double.PositiveInfinity;
         }
 
-        private static string Kept(ReadOnlySpan<byte> letters)
+        private static string Kept(Span<byte> letters)
         {
             if (letters.Length > 32) return Utf8.GetString(letters);
             var hash = letters.Length;

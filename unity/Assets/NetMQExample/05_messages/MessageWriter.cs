@@ -66,7 +66,7 @@ namespace NetMQExample
             bool yes => Add(yes ? "true" : "false"),
             int whole => Whole(whole),
             long whole => Whole(whole),
-            float real => Digits(real.ToString("R", CultureInfo.InvariantCulture)),
+            float real => Digits(real.ToString("R", CultureInfo.InvariantCulture).ToCharArray()),
             _ => Real((double)value),
         };
 
@@ -89,7 +89,7 @@ namespace NetMQExample
         /// <inheritdoc/>
         public override string ToString() => Encoding.ASCII.GetString(bytes, 0, count);
 
-        private MessageWriter Digits(ReadOnlySpan<char> digits)
+        private MessageWriter Digits(Span<char> digits)
         {
             foreach (var digit in digits) Add(digit);
             // So that a reader makes a number of the same kind of it.
