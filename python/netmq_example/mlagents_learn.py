@@ -19,6 +19,7 @@ from importlib import metadata
 from typing import Any
 
 from netmq_example.extras import pip_install
+from netmq_example.mlagents_envs.exception import UnityException
 
 __all__ = ["main", "take_place"]
 
@@ -28,8 +29,9 @@ log = logging.getLogger("netmq_example.envs")
 NEEDS = {
     "torch": "torch>=2.1.1",
     "numpy": "numpy<2",
-    "mlagents": "mlagents==1.1.0",
-    "mlagents_envs": "mlagents_envs==1.1.0",
+    # pip reads that these want Python 3.10, and older packages than they need.
+    "mlagents": "--no-deps --ignore-requires-python mlagents==1.1.0",
+    "mlagents_envs": "--no-deps --ignore-requires-python mlagents_envs==1.1.0",
     "google.protobuf": "protobuf==3.20.3",
     "pkg_resources": "setuptools==69.5.1",
     "cattr": "cattrs==1.5.0",
@@ -41,11 +43,9 @@ NEEDS = {
     "yaml": "pyyaml",
 }
 # The first versions with which it ends in a traceback.
-TOO_NEW = {"protobuf": (3, 21), "cattrs": (1, 7)}
+TOO_NEW = {"google.protobuf": ("protobuf", (3, 21)), "cattr": ("cattrs", (1, 7))}
 # Python 3.12 lists what is installed in a way that ML-Agents' search for plugins does not understand.
 LAST_PYTHON = (3, 11)
-# pip reads that these want Python 3.10, and older packages than they need.
-ALONE = {"mlagents", "mlagents_envs"}
 # Names that numpy 1.24 dropped, and that ML-Agents uses.
 DROPPED = {"float": float, "long": int}
 # The release that all of this was tried with.
@@ -59,12 +59,11 @@ def main() -> None:
     take_place()
     learn: Any = importlib.import_module("mlagents.trainers.learn")
     errors: Any = importlib.import_module("mlagents.trainers.exception")
-    exceptions: Any = importlib.import_module("netmq_example.mlagents_envs.exception")
     keep_exporter(importlib.import_module("torch"))
     say_what_is_wrong(errors.TrainerConfigError)
     try:
         learn.main()
-    except (errors.TrainerError, errors.TrainerConfigError, exceptions.UnityException) as error:
+    except (errors.TrainerError, errors.TrainerConfigError, UnityException) as error:
         raise SystemExit(f"mlagents-learn ended: {error}") from None
 
 
@@ -72,24 +71,18 @@ def missing() -> list[str]:
     """A line for each package that is not there, or too new, with the command that installs it."""
     if sys.version_info[:2] > LAST_PYTHON and version("mlagents") <= TRIED:
         return ["ML-Agents 1.1.0 needs Python 3.11 or older: python3.11 -m venv .venv, and install all there"]
-    lines = [f"{module} is not installed: {install(pin)}" for module, pin in NEEDS.items() if not found(module)]
-    pins = {name(pin): pin for pin in NEEDS.values()}
-    for package, limit in TOO_NEW.items():
+    lines = [f"{module} is not installed: {install(module)}" for module in NEEDS if not found(module)]
+    for module, (package, limit) in TOO_NEW.items():
         if version(package) >= limit:
-            lines.append(f"{package} {metadata.version(package)} is too new for ML-Agents: {install(pins[package])}")
+            lines.append(f"{package} {metadata.version(package)} is too new for ML-Agents: {install(module)}")
     if not lines and version("torch") < (2,) and version("numpy") >= (1, 24):
-        cure = f"set summary_freq above max_steps, or {install(NEEDS['torch'])}"
+        cure = f"set summary_freq above max_steps, or {install('torch')}"
         log.warning("this torch fails at TensorBoard's histograms with numpy 1.24 and later: %s", cure)
     return lines
 
 
-def name(pin: str) -> str:
-    return pin.partition("=")[0].rstrip("<>")
-
-
-def install(pin: str) -> str:
-    words = ["--no-deps", "--ignore-requires-python"] if name(pin) in ALONE else []
-    return pip_install(*words, pin)
+def install(module: str) -> str:
+    return pip_install(*NEEDS[module].split())
 
 
 def found(module: str) -> bool:
@@ -117,16 +110,11 @@ def take_place() -> None:
     if own is None or "mlagents_envs" in sys.modules:
         raise ImportError("take_place comes before the first import of mlagents_envs, which has to be installed")
     kit = importlib.import_module("netmq_example.mlagents_envs")
-    package = types.ModuleType("mlagents_envs", kit.__doc__)
-    vars(package)["__version__"] = vars(kit).get("__version__")
-    # Where communicator_objects and rpc_utils are, which read demonstrations.
-    package.__path__ = [*(own.submodule_search_locations or ())]
-    sys.modules["mlagents_envs"] = package
+    package = sys.modules["mlagents_envs"] = types.ModuleType("mlagents_envs")
     for each in pkgutil.walk_packages(kit.__path__, f"{kit.__name__}."):
-        module = importlib.import_module(each.name)
-        sys.modules[each.name.removeprefix("netmq_example.")] = module
-        if each.name.count(".") == 2:
-            setattr(package, each.name.rpartition(".")[2], module)
+        sys.modules[each.name.removeprefix("netmq_example.")] = importlib.import_module(each.name)
+    # Beside them stay communicator_objects and rpc_utils, which read demonstrations.
+    vars(package).update(vars(kit), __name__="mlagents_envs", __spec__=own, __path__=own.submodule_search_locations)
     if version("mlagents") <= TRIED:
         numpy = importlib.import_module("numpy")
         for dropped, value in DROPPED.items():

@@ -149,8 +149,8 @@ env.reset()
 string_log.send_string("the world was made")
 group_name = env.get_agent_groups()[0]
 for i in range(1000):
-    step_data = env.get_step_result(group_name)
-    n_agents = step_data.n_agents()
+    decision_steps, terminal_steps = env.get_steps(group_name)
+    n_agents = len(decision_steps) + len(terminal_steps)
     string_log.send_string(f"step {i}, agents: {n_agents}")
     env.step()
 env.close()

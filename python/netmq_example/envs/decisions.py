@@ -22,6 +22,7 @@ from netmq_example.envs.kinds import Kind, SceneHello
 from netmq_example.envs.remote import MASK
 from netmq_example.messages import Message, MessageError, take
 from netmq_example.mlagents_envs import scene_clock
+from netmq_example.mlagents_envs.envs.env_helpers import action_space
 from netmq_example.wire import records, trees
 from netmq_example.wire.records import Record, Section, bad
 from netmq_example.wire.sections import rewards, rewards_in, with_infos
@@ -53,11 +54,13 @@ class Team(scene_clock.Behavior):
         self.name = self.name.removesuffix("?team=0")
         self.rows: list[Row] = []
         self.ids: dict[int, Row] = {}
-        self.asking: list[Row] = []
         self.complete = False
         self.masked = False
         floats, branches = self.spec.action_spec
         self.given = np.dtype([("floats", np.float32, (floats,)), ("branches", np.int64, (len(branches),))])
+
+    def begin(self) -> None:
+        self.asking: list[Row] = []
 
     def take(self, section: Section) -> None:
         size, count = self.row.itemsize, len(section.marks)
@@ -107,14 +110,10 @@ class Team(scene_clock.Behavior):
             low, high, dtype = (0, 255, np.uint8) if is_picture else (-np.inf, np.inf, np.float32)
             name = f"{spec.name}_{len(seen)}" if spec.name in seen else spec.name
             seen[name] = spaces.Box(low, high, spec.shape, dtype)
-        floats, branches = self.spec.action_spec
-        done: list[Any] = [spaces.Box(-1, 1, (floats,), np.float32)] if floats else []
-        if branches:
-            done.append(spaces.Discrete(branches[0]) if len(branches) == 1 else spaces.MultiDiscrete([*branches]))
-        if not seen or not done:
+        action = action_space(spaces, self.spec.action_spec)
+        if not seen or not action:
             raise MessageError("no-spaces", f"the agents of {self.name!a:.80} see nothing, or do nothing: {CURE}")
         observation = spaces.Dict(seen) if len(seen) > 1 else next(iter(seen.values()))
-        action = done[0] if len(done) == 1 else spaces.Tuple(done)
         return Kind(at, self.name, tuple(names), first, 1, observation, action, located=False)
 
     def actions(self, asked: Section) -> Section:
@@ -166,24 +165,30 @@ def not_together(name: str) -> MessageError:
     return MessageError("scene-clock", f"{why}: {CURE}")
 
 
-class Decisions:
+class Decisions(scene_clock.SceneClock):
     """Stands in front of the `ask` of Simulators."""
 
     def __init__(self, simulators: Any) -> None:
+        super().__init__(seed=0, channels_first=True, limit=0, given=(None, None))
         self.asked = simulators.ask
         simulators.ask = self.ask
-        self.teams: list[Team] = []
         # Side channels have said this in the step.
         self.heard = b""
 
     def begin(self, hello: Message) -> SceneHello:
         """A first reset. It brings the behaviors, and all agents that decide in it."""
-        self.teams = []
-        self.go_on([], records.ANEW, trees.write({"seed": 0}))
+        self.connected(hello)
+        self.go_on(self.anew())
         kinds: list[Kind] = []
-        for team in self.teams:
+        for team in self.behaviors:
             kinds.append(team.kind(len(kinds), sum(len(kind.agents) for kind in kinds)))
         return SceneHello(take(hello.values, "name", str), take(hello.values, "dt", float), tuple(kinds), True)
+
+    def made(self, described: Any) -> Team:
+        team = Team(described)
+        if self.behaviors and self.behaviors[0].complete:
+            raise not_together(team.name)
+        return team
 
     def ask(self, request: Any) -> Any:
         if not isinstance(request, Record):
@@ -193,7 +198,7 @@ class Decisions:
         if request.said:
             warnings.warn("options of a reset do not reach a scene that steps by its own clock", stacklevel=2)
         sections = request.sections
-        orders = [pair for one in sections for pair in zip(self.teams[one.kind].rows, one.marks, strict=True)]
+        orders = [pair for one in sections for pair in zip(self.behaviors[one.kind].rows, one.marks, strict=True)]
         steps = request.has(records.STEP)
         autoreset = bool(request.bits & records.AUTORESET)
         # Agents that are not to begin anew, within their episodes.
@@ -205,42 +210,28 @@ class Decisions:
                 row.over = False
         self.heard = b""
         if steps:
-            acting = [self.teams[one.kind].actions(one) for one in sections if self.teams[one.kind].asking]
-            self.go_on(acting, exchange=request.exchange, ends=not autoreset)
+            acting = [self.behaviors[one.kind].actions(one) for one in sections if self.behaviors[one.kind].asking]
+            exchange = request.exchange or b""
+            self.go_on(Record(records.ASKS, 0, acting, records.SCENE_CLOCK, b"", exchange), ends=not autoreset)
         elif not others:
-            self.go_on([], records.ANEW, exchange=request.exchange)
-        told = [self.teams[one.kind].section(one, autoreset) for one in sections]
+            self.go_on(self.anew(request.exchange or b""))
+        told = [self.behaviors[one.kind].section(one, autoreset) for one in sections]
         answer = [now for now, _ in told] + [ended for _, ended in told if ended]
         return Record(records.ANSWERS, request.id, answer, exchange=self.heard)
 
-    def go_on(
-        self, sections: list[Section], bits: int = 0, said: bytes = b"", exchange: Any = None, ends: bool = False
-    ) -> None:
+    def go_on(self, request: Record, ends: bool = False) -> None:
         """Until the agents decide. With `ends` no later than when all of them have ended: they begin by a reset."""
-        rows = [row for team in self.teams for row in team.rows]
+        rows = [row for team in self.behaviors for row in team.rows]
         for row in rows:
             row.ended = None
-        request = Record(records.ASKS, 0, sections, records.SCENE_CLOCK | bits, said, exchange or b"")
-        while not self.take(self.asked(request)):
+        while not self.decide(self.asked(request)):
             if ends and all(row.over or row.ended for row in rows if row.over is not None):
                 return
             request = Record(records.ASKS, 0, [], records.SCENE_CLOCK, exchange=b"")
-        for team in self.teams:
+        for team in self.behaviors:
             team.decided()
 
-    def take(self, answer: Record) -> bool:
-        """Whether they decide now."""
-        if not answer.bits & records.SCENE_CLOCK:
-            raise MessageError("wrong-clock", "the answer is none of the scene's clock")
+    def decide(self, answer: Record) -> bool:
         self.heard += bytes(answer.exchange or b"")
-        for described in take(trees.read(answer.said), "kinds", list) if answer.said else ():
-            self.teams.append(Team(described))
-            if self.teams[0].complete:
-                raise not_together(self.teams[-1].name)
-        for team in self.teams:
-            team.asking = []
-        for section in answer.sections:
-            if section.kind >= len(self.teams):
-                raise MessageError("wrong-agents", f"there is no behavior {section.kind} of {len(self.teams)}")
-            self.teams[section.kind].take(section)
-        return any(team.asking for team in self.teams)
+        self.read(answer)
+        return any(team.asking for team in self.behaviors)

@@ -32,20 +32,21 @@ class _ActionTupleBase:
     discrete_dtype: Any = np.int32
 
     def __init__(self, continuous: Any = None, discrete: Any = None) -> None:
-        self.continuous = self.discrete = None
+        self.continuous: Any = None
+        self.discrete: Any = None
         if continuous is not None:
             self.add_continuous(continuous)
         if discrete is not None:
             self.add_discrete(discrete)
 
     def add_continuous(self, continuous: Any) -> None:
-        self.continuous: Any = np.asarray(continuous, np.float32)
+        self.continuous = np.asarray(continuous, np.float32)
         if self.discrete is None:
             self.discrete = np.zeros((len(self.continuous), 0), self.discrete_dtype)
 
     def add_discrete(self, discrete: Any) -> None:
         given = np.asarray(discrete)
-        self.discrete: Any = given.astype(self.discrete_dtype, copy=False)
+        self.discrete = given.astype(self.discrete_dtype, copy=False)
         # As lists: to compare two arrays takes numpy longer right after a wait.
         if self.discrete_dtype is np.int32 and self.discrete is not given and self.discrete.tolist() != given.tolist():
             raise UnityActionException(f"discrete actions are whole numbers of 32 bits, not {discrete!r:.60}")

@@ -143,25 +143,15 @@ class UnityEnvironment(base_env.BaseEnv):
             raise other(str(error)) from None
         self._begun = True
 
-    @property
-    def _loaded(self) -> bool:
-        return not self._simulators.connection.closed
-
-    @property
-    def _port(self) -> int:
-        return int(self._simulators.connection.endpoint.rpartition(":")[2])
-
-    @property
-    def _process(self) -> Any:
-        return self._simulators.process
-
-    @property
-    def _env_specs(self) -> base_env.BehaviorMapping:
-        return self._clock.specs  # type: ignore[no-any-return]
+    # Programs read these, though they are private.
+    _loaded = property(lambda self: not self._simulators.connection.closed)
+    _port = property(lambda self: int(self._simulators.connection.endpoint.rpartition(":")[2]))
+    _process = property(lambda self: self._simulators.process)
+    _env_specs = property(lambda self: self._clock.specs)
 
     @property
     def behavior_specs(self) -> Mapping[str, base_env.BehaviorSpec]:
-        return self._env_specs
+        return self._env_specs  # type: ignore[no-any-return]
 
     def reset(self) -> None:
         self._check_loaded()

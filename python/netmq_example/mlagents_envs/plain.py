@@ -33,7 +33,8 @@ class Done:
         self.space = space
         # Of each array, whether it is floats, and its columns among them or among the branches.
         self.leaves: list[tuple[bool, slice]] = []
-        floats, branches = 0, []
+        floats = 0
+        branches: list[int] = []
         for _, leaf in leaves_of(space, (), "action"):
             if isinstance(leaf, spaces.Box):
                 self.leaves.append((True, slice(floats, floats + math.prod(leaf.shape))))
@@ -55,7 +56,7 @@ def choices_of(leaf: Any) -> list[int]:
         case spaces.Discrete():
             return [int(leaf.n)]
         case spaces.MultiDiscrete():
-            return leaf.nvec.ravel().tolist()  # type: ignore[no-any-return]
+            return [*leaf.nvec.ravel().tolist()]
     return [2] * math.prod(leaf.shape)
 
 

@@ -98,7 +98,7 @@ class PythonClock:
         return Record(records.ASKS, 0, sections, records.AUTORESET)
 
     def read(self, answer: Record, begins: bool) -> None:
-        turns = {}
+        turns: dict[str, Sequence[Any]] = {}
         ends = {one.kind: one for one in answer.sections if one.columns & records.ENDED}
         for behavior, section in zip(self.behaviors, answer.sections, strict=False):
             last = ends.get(section.kind)

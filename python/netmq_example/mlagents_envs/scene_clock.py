@@ -45,9 +45,12 @@ class SceneClock:
         return {behavior.name: behavior.turn for behavior in self.behaviors}
 
     def reset(self, ask: Ask) -> None:
+        self.read(ask(self.anew()))
+
+    def anew(self, exchange: Any = b"") -> Record:
         # A simulator takes its seed once.
         said = b"" if self.behaviors else trees.write({"seed": self.seed})
-        self.read(ask(Record(records.ASKS, 0, [], records.SCENE_CLOCK | records.ANEW, said, b"")))
+        return Record(records.ASKS, 0, [], records.SCENE_CLOCK | records.ANEW, said, exchange)
 
     def step(self, ask: Ask, actions: Mapping[str, ActionTuple]) -> None:
         """Actions by behavior; where there are none, it is zeros."""
@@ -73,7 +76,7 @@ class SceneClock:
 
     def add(self, described: Any) -> None:
         """A behavior that is new. Another simulator has the same ones as the one before it."""
-        behavior = Behavior(described, self.channels_first)
+        behavior = self.made(described)
         name = behavior.name
         if name in [other.name for other in self.behaviors]:
             raise MessageError("bad-kind", f"the behavior {name!a:.80} came twice")
@@ -81,6 +84,9 @@ class SceneClock:
             was = f"{self.specs[name]!s:.200}"
             raise MessageError("other-spaces", f"{name!a:.80} was {was}, and is {behavior.spec!s:.200}")
         self.behaviors.append(behavior)
+
+    def made(self, described: Any) -> Any:
+        return Behavior(described, self.channels_first)
 
 
 class Behavior:

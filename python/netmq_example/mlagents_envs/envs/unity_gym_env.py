@@ -31,7 +31,7 @@ class UnityGymException(UnityException):
     """The scene does not fit into gym, or a step after the end of an episode."""
 
 
-class UnityToGymWrapper(Env):
+class UnityToGymWrapper(Env):  # type: ignore[misc]
     """Its constructor resets the environment, and its close closes it.
 
     Of several observations the first picture is seen, or without one all vectors as one; with `allow_multiple_obs` a

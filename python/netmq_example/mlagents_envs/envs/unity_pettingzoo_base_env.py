@@ -6,7 +6,7 @@ Agents with choices see {"observation": …, "action_mask": …}: an array for e
 ML-Agents' steps. PettingZoo's own environments have it the other way round.
 """
 
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
@@ -27,7 +27,7 @@ class UnityPettingzooBaseEnv:
     # The class of PettingZoo's that it is as well.
     kind: str
 
-    def __new__(cls, *args: object, **words: object) -> Self:
+    def __new__(cls: Any, *args: object, **words: object) -> Any:
         return object.__new__(derived(cls, cls.kind))
 
     def __init__(self, env: BaseEnv, seed: int | None = None, metadata: dict[str, Any] | None = None) -> None:
@@ -113,7 +113,8 @@ class UnityPettingzooBaseEnv:
             decisions, ends = self._env.get_steps(name)
             self._current_action[name] = spec.action_spec.empty_action(len(decisions))
             # Of an agent that has ended, and has begun anew, its end.
-            for agent_id, step in {**decisions, **ends}.items():
+            each: dict[int, Any] = {**decisions, **ends}
+            for agent_id, step in each.items():
                 agent = _behavior_to_agent_id(name, agent_id)
                 self._rows[agent] = decisions.agent_id_to_index.get(agent_id)
                 self._take(agent, name, step)
