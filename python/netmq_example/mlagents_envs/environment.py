@@ -182,7 +182,7 @@ class UnityEnvironment(base_env.BaseEnv):
 
     def get_behavior_spec(self, behavior_name: str) -> base_env.BehaviorSpec:
         """It has this name since 2020."""
-        specs = self._env_specs
+        specs = self.behavior_specs
         if behavior_name not in specs:
             known = ", ".join(specs) or "none before reset"
             raise exception.UnityActionException(f"there is no behavior {behavior_name!a:.40}; there is: {known}")
@@ -219,7 +219,7 @@ class UnityEnvironment(base_env.BaseEnv):
 
     # The second one is of 2020.
     def get_behavior_names(self) -> list[str]:
-        return list(self._env_specs)
+        return list(self.behavior_specs)
 
     get_agent_groups = get_behavior_names
 
