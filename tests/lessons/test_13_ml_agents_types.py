@@ -3,18 +3,14 @@ do here.
 """
 
 import pickle
-import subprocess
-import sys
 import uuid
 from typing import Any
 
 import pytest
 
-from tests.programs import LIMIT, ROOT
-
 np = pytest.importorskip("numpy", reason="ML-Agents' environment needs numpy: kit.py run 9 installs it")
 
-from netmq_example.mlagents_envs import __version__, exception  # noqa: E402
+from netmq_example.mlagents_envs import exception  # noqa: E402
 from netmq_example.mlagents_envs.base_env import (  # noqa: E402
     ActionSpec,
     ActionTuple,
@@ -40,7 +36,6 @@ from netmq_example.mlagents_envs.side_channel import (  # noqa: E402
     DefaultTrainingAnalyticsSideChannel,
     EngineConfigurationChannel,
     EnvironmentParametersChannel,
-    FloatPropertiesChannel,
     IncomingMessage,
     OutgoingMessage,
     RawBytesChannel,
@@ -199,14 +194,6 @@ def test_an_environment_of_ones_own_needs_all_of_it():
         Half()  # type: ignore[abstract]
 
 
-@pytest.mark.parametrize("module", ["environment", "base_env", "exception", "side_channel"])
-def test_imports_load_no_gymnasium(module):
-    absent = "import sys\nfor name in ('gymnasium', 'gym', 'pettingzoo'): sys.modules[name] = None\n"
-    code = f"{absent}import netmq_example.mlagents_envs.{module}"
-    subprocess.run([sys.executable, "-c", code], cwd=ROOT / "python", timeout=LIMIT, check=True)
-    assert __version__ == "1.1.0"
-
-
 # Side channels
 
 
@@ -229,57 +216,6 @@ class Numbers(SideChannel):
         msg = OutgoingMessage()
         msg.write_int32(number)
         self.queue_message_to_send(msg)
-
-
-def test_a_channel_of_ones_own():
-    sender, receiver = Numbers(), Numbers()
-    sender.send(4)
-    sender.send(-5)
-    carried(sender, receiver)
-    assert receiver.received == [4, -5] and sender.message_queue == []
-
-
-def test_float_properties():
-    sender, receiver = FloatPropertiesChannel(), FloatPropertiesChannel()
-    sender.set_property("one", 1.5)
-    sender.set_property("two", 2.5)
-    sender.set_property("one", 3.5)
-    carried(sender, receiver)
-    assert (receiver.get_property("one"), receiver.get_property("none")) == (3.5, None)
-    assert receiver.get_property_dict_copy() == {"one": 3.5, "two": 2.5} and receiver.list_properties() == [
-        "one",
-        "two",
-    ]
-
-
-def test_raw_bytes():
-    guid = uuid.uuid4()
-    sender, receiver = RawBytesChannel(guid), RawBytesChannel(guid)
-    sender.send_raw_data(b"foo")
-    sender.send_raw_data(bytearray(b"bar"))
-    carried(sender, receiver)
-    assert receiver.get_and_clear_received_messages() == [b"foo", b"bar"]
-    assert receiver.get_and_clear_received_messages() == []
-
-
-@pytest.mark.parametrize(
-    ("kind", "values", "default"),
-    [
-        ("bool", [True, False], True),
-        ("int32", [1, -2, 2**31 - 1], 12),
-        ("float32", [0.5, -1.25], 1.5),
-        ("string", ["", "foo", "a longer text"], "nothing"),
-        ("float32_list", [[], [1.0, 2.5]], [0.5]),
-    ],
-)
-def test_values_come_as_they_were_written_and_then_the_default(kind, values, default):
-    msg = OutgoingMessage()
-    for value in values:
-        getattr(msg, f"write_{kind}")(value)
-    got = IncomingMessage(bytes(msg.buffer))
-    read = getattr(got, f"read_{kind}")
-    assert [read() for _ in values] == values
-    assert read(default_value=default) == default and not read()
 
 
 @pytest.mark.parametrize(

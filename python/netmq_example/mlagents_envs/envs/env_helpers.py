@@ -8,7 +8,6 @@ It needs nothing but Python, until an environment is made.
 import functools
 import importlib
 from typing import Any
-from urllib.parse import parse_qs, urlparse
 
 from netmq_example.extras import pip_install, without
 
@@ -21,12 +20,6 @@ def _behavior_to_agent_id(behavior_name: str, unique_id: int) -> str:
 
 def _agent_id_to_behavior(agent_id: str) -> str:
     return agent_id.partition(AGENT_ID)[0]
-
-
-def _parse_behavior(full_behavior: str) -> tuple[str, int]:
-    """The behavior's name and its team."""
-    parsed = urlparse(full_behavior)
-    return parsed.path, int(parse_qs(parsed.query).get("team", ["0"])[0])
 
 
 def find_spaces() -> Any:
