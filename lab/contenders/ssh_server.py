@@ -62,7 +62,7 @@ def main() -> None:
         start("ssh", *known, *way, f"{getpass.getuser()}@127.0.0.1")
         wait_for(front)
         print(f"listening on tcp://127.0.0.1:{front}", flush=True)
-        # What it has started ends with it.
+        # Its processes end with it.
         signal.signal(signal.SIGTERM, lambda *_: sys.exit())
         while True:
             time.sleep(3600)

@@ -90,7 +90,7 @@ def test_an_agent_that_cannot_begin_says_why_and_the_others_go_on(mistake, why, 
     run = world(f"A period=1 max=1 {mistake}", "B period=1")
     run.reset()
     assert [row.what for row in run.step()] == ["wants"]
-    assert not [line for line in run.told() if line.startswith("A act") or line.startswith("A see")]
+    assert not [line for line in run.told() if line.startswith(("A act", "A see"))]
     assert f"A stands still: {why}" in run.program.output
 
 
