@@ -31,24 +31,30 @@ class Done:
 
     def __init__(self, space: spaces.Space[Any]) -> None:
         self.space = space
-        # Of each array, whether it is floats, and its columns among them or among the branches.
-        self.leaves: list[tuple[bool, slice]] = []
+        # Each array, its columns among all floats or all branches, and where its choices begin, unless that is at 0.
+        self.leaves: list[tuple[Any, slice, Any]] = []
         floats = 0
         branches: list[int] = []
         for _, leaf in leaves_of(space, (), "action"):
             if isinstance(leaf, spaces.Box):
-                self.leaves.append((True, slice(floats, floats + math.prod(leaf.shape))))
+                self.leaves.append((leaf, slice(floats, floats + math.prod(leaf.shape)), None))
                 floats += math.prod(leaf.shape)
             else:
-                choices = choices_of(leaf)
-                self.leaves.append((False, slice(len(branches), len(branches) + len(choices))))
+                choices, start = choices_of(leaf), getattr(leaf, "start", 0)
+                columns = slice(len(branches), len(branches) + len(choices))
+                self.leaves.append((leaf, columns, start if np.any(start) else None))
                 branches += choices
         self.spec = ActionSpec(floats, tuple(branches))
 
     def batch(self, floats: Any, numbers: Any) -> Any:
         """Of floats and whole numbers, [agents, size]."""
-        parts = ((floats if is_float else numbers)[:, columns] for is_float, columns in self.leaves)
-        return filled(self.space, parts)
+        parts = []
+        for leaf, columns, start in self.leaves:
+            is_float = isinstance(leaf, spaces.Box)
+            part = (floats if is_float else numbers)[:, columns].reshape(-1, *leaf.shape)
+            part = part if start is None else part + start
+            parts.append(part if is_float else part.astype(leaf.dtype))
+        return filled(self.space, iter(parts))
 
 
 def choices_of(leaf: Any) -> list[int]:
@@ -67,9 +73,7 @@ def filled(space: Any, parts: Iterator[Any]) -> Any:
             return {key: filled(part, parts) for key, part in space.items()}
         case spaces.Tuple():
             return tuple(filled(part, parts) for part in space)
-    part = next(parts).reshape(-1, *space.shape)
-    # Choices may begin elsewhere than at 0.
-    return part if isinstance(space, spaces.Box) else (part + getattr(space, "start", 0)).astype(space.dtype)
+    return next(parts)
 
 
 class Seen:

@@ -84,7 +84,8 @@ class PythonClock:
             answer = ask(self.request([one.actions.checked(one.actions.batch, each) for one, each in pairs]))
         if self.stepping is not None:
             self.episodes.draw(np.flatnonzero(~self.stepping))
-        self.episodes.stepped(self.stepping)
+        if self.limit or self.stepping is not None:
+            self.episodes.stepped(self.stepping)
         self.read(answer, begins=False)
 
     def request(self, done: list[Any]) -> Record:
@@ -105,8 +106,8 @@ class PythonClock:
             turns[behavior.name] = behavior.turn(section, last, begins)
             if last:
                 self.episodes.begun([behavior.kind.first + row for row in last.whose()])
-        away = np.concatenate([behavior.away for behavior in self.behaviors])
-        self.away = away if away.any() else None
+        absent = any(behavior.absent for behavior in self.behaviors)
+        self.away = np.concatenate([behavior.away for behavior in self.behaviors]) if absent else None
         self.turns = turns
 
 
@@ -121,8 +122,10 @@ class Behavior:
         self.rows = slice(kind.first, kind.first + self.count)
         self.everybody = bytes([records.STEP]) * self.count
         self.ids = np.arange(kind.first, kind.first + self.count, dtype=np.int32)
-        # The rows whose agent is not in the scene, and those of the DecisionSteps.
+        # What the last marks say: the rows whose agent is not in the scene, whether there are any, and all others.
+        self.marks = bytes([records.SEEN]) * self.count
         self.away = np.zeros(self.count, bool)
+        self.absent = False
         self.here: Any = slice(None)
         action = kinds.agreed(kind, "action", None if kind.action else given[1])
         self.actions = Actions(action, kind)
@@ -137,27 +140,36 @@ class Behavior:
         """Actions of all rows, as Gymnasium batches them. Without them it is zeros, or what is nearest to them."""
         if action is None:
             return self.nothing
-        everybody = self.done.spec.empty_action(self.count)
-        everybody.continuous[self.here] = action.continuous
-        everybody.discrete[self.here] = action.discrete
-        return self.done.batch(everybody.continuous, everybody.discrete)
+        if self.absent:
+            given, action = action, self.done.spec.empty_action(self.count)
+            action.continuous[self.here], action.discrete[self.here] = given.continuous, given.discrete
+        return self.done.batch(action.continuous, action.discrete)
 
     def turn(self, section: Section, last: Section | None, begins: bool) -> tuple[DecisionSteps, TerminalSteps]:
-        over = [*last.whose()] if last else []
-        self.rows_seen.take(section, range(self.count) if begins else {*over} or NOBODY)
-        away = np.frombuffer(section.marks, np.uint8) & records.ABSENT > 0
-        left = [] if begins else [row for row in np.flatnonzero(away & ~self.away).tolist() if row not in over]
+        over = {*last.whose()} if last else NOBODY
+        self.rows_seen.take(section, range(self.count) if begins else over)
+        # By fewer calls of numpy, which is slow right after a wait.
+        left, came = ([], []) if section.marks == self.marks else self.changed(section.marks)
+        left = [] if begins else [row for row in left if row not in over]
         ended = self.ended(section, last, left) if last or left else TerminalSteps.empty(self.spec)
         # Another one in its place has an id of its own.
-        for row in np.flatnonzero(self.away & ~away):
+        for row in came:
             self.ids[row] = next(self.new_ids)
-        self.away = away
-        self.here = np.flatnonzero(~away) if away.any() else slice(None)
         batch = self.rows_seen.batch()
-        seen = [part[self.here] for part in self.seen.split(batch)]
+        seen = self.seen.split(batch)
         masks = self.masks(section, batch) if self.done.spec.discrete_branches else None
-        ids, rewards = self.ids[self.here].copy(), np.array(rewards_in(section), np.float32)[self.here]
+        ids, rewards = self.ids.copy(), np.array(rewards_in(section), np.float32)
+        if self.absent:
+            seen, ids, rewards = [part[self.here] for part in seen], ids[self.here], rewards[self.here]
         return DecisionSteps(seen, rewards, ids, masks, *scene_clock.no_groups(len(ids))), ended
+
+    def changed(self, marks: bytes) -> tuple[list[int], list[int]]:
+        """The rows whose agent has left, and those where one has come."""
+        before, self.away = self.away, np.frombuffer(marks, np.uint8) & records.ABSENT > 0
+        self.marks = marks
+        self.absent = bool(self.away.any())
+        self.here = np.flatnonzero(~self.away) if self.absent else slice(None)
+        return np.flatnonzero(self.away & ~before).tolist(), np.flatnonzero(before & ~self.away).tolist()
 
     def masks(self, section: Section, batch: Any) -> list[Any]:
         """In ML-Agents True is forbidden, in Gymnasium 0."""
