@@ -10,6 +10,7 @@ import re
 import subprocess
 import sys
 import threading
+from collections import defaultdict
 from unittest import mock
 
 import pytest
@@ -430,7 +431,7 @@ def added(x=0, y=1.0):
 @pytest.fixture
 def stacks(monkeypatch):
     """Timers of nobody yet."""
-    monkeypatch.setattr(timers, "STACKS", type(timers.STACKS)(timers.TimerStack))
+    monkeypatch.setattr(timers, "STACKS", defaultdict(timers.TimerStack))
 
 
 def test_a_tree_of_timers(stacks):
