@@ -215,7 +215,7 @@ def test_gym_is_a_base_where_a_program_knows_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "gym.spaces", importlib.import_module("gymnasium.spaces"))
     monkeypatch.delitem(sys.modules, f"{ENVS}.unity_gym_env")
     env = importlib.import_module(f"{ENVS}.unity_gym_env").UnityToGymWrapper(Walk())
-    assert isinstance(env, Gym.Env) and env.reset().tolist() == [0, 0]
+    assert env.reset().tolist() == [0, 0] and isinstance(env, Gym.Env)
 
 
 def test_gym_without_spaces_is_a_line(monkeypatch):

@@ -122,7 +122,7 @@ class Behavior:
         self.rows = slice(kind.first, kind.first + self.count)
         self.everybody = bytes([records.STEP]) * self.count
         self.ids = np.arange(kind.first, kind.first + self.count, dtype=np.int32)
-        # What the last marks say: the rows whose agent is not in the scene, whether there are any, and all others.
+        # The last marks say which rows have no agent in the scene, whether there are any, and which have one.
         self.marks = bytes([records.SEEN]) * self.count
         self.away = np.zeros(self.count, bool)
         self.absent = False
