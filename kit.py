@@ -3,6 +3,7 @@
     python3 kit.py run 1         lesson 01: the Python server and the C# client, side by side
     python3 kit.py server 1      only its server: for two terminals
     python3 kit.py client 1      only its client, in the other one
+    python3 kit.py guide         the guide in your browser, whose commands run by a button
     python3 kit.py test          every test that this machine can run
     python3 kit.py list          the lessons
     python3 kit.py doctor        what is on this machine, and what is missing
@@ -40,7 +41,7 @@ if __name__ == "__main__" and signal.getsignal(signal.SIGINT) is signal.default_
 from kitlib import commands
 
 # Each is a module of kitlib/commands.
-COMMANDS = ("run", "server", "client", "test", "list", "doctor", "bench", "copy", "unity", "play", "pack")
+COMMANDS = ("run", "server", "client", "guide", "test", "list", "doctor", "bench", "copy", "unity", "play", "pack")
 
 if __name__ == "__main__":
     sys.exit(commands.guarded(lambda: commands.start(COMMANDS, sys.argv[1:])))

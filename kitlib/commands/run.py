@@ -28,6 +28,7 @@ EXAMPLES = [
 EXTRA = "16_web_gateway"
 # So many seconds a browser has to open it.
 OPENING = 20.0
+STAYS = "the page stays until Ctrl-C"
 CURE = 'what the client takes goes into --options="…", what the server takes into --server="…"'
 
 
@@ -37,6 +38,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--server", default="", metavar="OPTIONS", help="for the server; `server N --help` has them")
     parser.add_argument("--options", default="", metavar="OPTIONS", help="for the client; `client N --help` has them")
     parser.add_argument("--watch", action="store_true", help="see the messages pass, in a page of your browser")
+    parser.add_argument("--frame", metavar="ORIGIN", help="with --watch: whose page shows that page, in a frame")
     add_folder(parser)
     add_client(parser)
 
@@ -65,6 +67,7 @@ def do(options: argparse.Namespace) -> int:
     others = [[str(python), str(lesson.python / name), *words] for name, *words in lesson.also]
     server = [*server_command(lesson, python), *given, *for_server]
     tap = tap_command(lesson, python) if options.watch else []
+    tap += ["--frame", options.frame] if tap and options.frame else []
     return run(lesson.folder(options.folder), server, others, client, behind(lesson, python, for_server), tap)
 
 
@@ -77,14 +80,18 @@ def tap_command(lesson: Lesson, python: Path | str) -> list[str]:
 def open_page(tap: Program) -> None:
     """Open it before there is a client, so that its first messages are seen as they pass."""
     page = tap.wait_for(r"^page at (\S+)")[1]
-    # Without a display Python may find a browser that takes over this terminal.
-    display = sys.platform in ("win32", "darwin") or {"DISPLAY", "WAYLAND_DISPLAY", "BROWSER"} & set(os.environ)
-    opened = display and webbrowser.open(page)
+    opened = "--frame" not in tap.command and open_in_browser(page)
     say(f"{'opening' if opened else 'open'} {page} in a browser; the client starts then, or after {OPENING:.0f} s")
     try:
         tap.wait_for("^a page looks on$", OPENING)
     except KitError:
         say("no page is open; the client starts, and a page that is opened later shows the latest messages")
+
+
+def open_in_browser(page: str) -> bool:
+    # Without a display Python may find a browser that takes over this terminal.
+    display = sys.platform in ("win32", "darwin") or {"DISPLAY", "WAYLAND_DISPLAY", "BROWSER"} & set(os.environ)
+    return bool(display) and webbrowser.open(page)
 
 
 def own_options(name: str, file: str) -> str:
@@ -194,7 +201,7 @@ def run(folder: Path, server: Words, others: list[Words], client: Words, behind:
         code = wait(session.start("client", [*client, *words], stdin=None).process, "client")
         if tap:
             session.show_last()
-            say("the page stays until Ctrl-C")
+            say(STAYS)
             wait(watched.process, "tap")
     except KeyboardInterrupt:
         # The terminal sends Ctrl-C to the programs too; they are given the time to end by themselves.

@@ -160,15 +160,35 @@ def has_prefixes(lines: Sequence[str]) -> bool:
     return any(line.startswith(tuple(f"{side} |" for side in SIDES)) for line in lines)
 
 
-def contradiction(block: Block, lines: Sequence[str]) -> str:
-    """How a transcript differs from what a run printed, or nothing. How the two sides mix does not count."""
-    form = shape if block.kind == "like" else list
+def sides(block: Block, lines: Sequence[str]) -> Iterator[tuple[str, list[str], list[str]]]:
+    """Each side of a transcript: its name, the lines that are shown, and those that a run printed."""
     shown = block.body.splitlines()
     for side in SIDES if has_prefixes(shown) else ["client"]:
-        expected = form(said(shown, side) if has_prefixes(shown) else shown)
-        found = form(said(lines, side))
+        yield side, said(shown, side) if has_prefixes(shown) else shown, said(lines, side)
+
+
+def comparable(block: Block, lines: Sequence[str]) -> list[str]:
+    return shape(lines) if block.kind == "like" else list(lines)
+
+
+def contradiction(block: Block, lines: Sequence[str]) -> str:
+    """How a transcript differs from what a run printed, or nothing. How the two sides mix does not count."""
+    for side, *both in sides(block, lines):
+        expected, found = (comparable(block, each) for each in both)
         if not same(expected, found):
             return "\n".join([f"the {side} prints something else:", *difflib.ndiff(expected, found)])
+    return ""
+
+
+def first_difference(block: Block, lines: Sequence[str]) -> str:
+    """The first line of a transcript that a run has not printed, or nothing: by the same rule."""
+    for side, shown, heard in sides(block, lines):
+        expected, found = comparable(block, shown), comparable(block, heard)
+        for number, line in enumerate(expected):
+            if not same([*expected[: number + 1], "..."], found):
+                return f"{side}: the page has {next(text for text in shown if comparable(block, [text]) == [line])}"
+        if not same(expected, found):
+            return f"{side}: the page does not have {heard[-1]}"
     return ""
 
 

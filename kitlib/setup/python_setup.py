@@ -27,7 +27,8 @@ CHOICE = BUILD / "python.json"
 HERE = {"win32": "windows", "darwin": "macos"}.get(sys.platform, "linux")
 VERSION = f"{sys.version_info[0]}.{sys.version_info[1]}"
 # The name to import, where it is not simply the name on PyPI.
-IMPORTS = {"pytest-xdist": "xdist", "pyzmq": "zmq", "pillow": "PIL", "pyyaml": "yaml", "grpcio": "grpc"}
+IMPORTS = {"markdown-it-py": "markdown_it"}
+IMPORTS |= {"pytest-xdist": "xdist", "pyzmq": "zmq", "pillow": "PIL", "pyyaml": "yaml", "grpcio": "grpc"}
 # Pip says these where no index answers, or does not hold a package.
 NOTHING = ("Could not find a version", "No matching distribution", "Max retries")
 # Nobody gets these unasked: each is large, not there for every system, and of use to a part of a lesson alone.

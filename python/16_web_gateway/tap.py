@@ -110,6 +110,7 @@ def main() -> None:
     parser.add_argument("--title", default="", help="what stands above the picture")
     parser.add_argument("--slow", type=slow_seconds, default=0, metavar="S", help="each message is S seconds late")
     parser.add_argument("--record", type=file, metavar="FILE", help="an HTML file that shows it all again, at the end")
+    parser.add_argument("--frame", default="", metavar="ORIGIN", help="whose page may show this one in a frame")
     for fault in FAULTS:
         parser.add_argument(f"--{fault}", type=at_least_one, metavar="N", help=f"{fault} message N")
     options = parser.parse_args()
@@ -119,7 +120,7 @@ def main() -> None:
     arrows = Arrows()
     faults = Faults(planned, slow=options.slow)
     title = options.title or " ".join(f"{host}:{port}" for _, (host, port) in options.servers)
-    page = Page(arrows, faults, title)
+    page = Page(arrows, faults, title, options.frame)
     shown = listen("127.0.0.1", options.page)
     print(f"page at http://127.0.0.1:{shown.getsockname()[1]}/", flush=True)
     # The line that tells others that all is ready comes last.

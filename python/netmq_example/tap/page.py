@@ -13,6 +13,7 @@ import asyncio
 import contextlib
 import json
 import logging
+import re
 import socket
 from collections.abc import Awaitable, Callable
 
@@ -36,10 +37,14 @@ log = logging.getLogger("netmq_example.server")
 class Page:
     """Shows the arrows, and passes on what somebody asks for to the faults."""
 
-    def __init__(self, arrows: Arrows, faults: Faults, title: str) -> None:
+    def __init__(self, arrows: Arrows, faults: Faults, title: str, frame: str = "") -> None:
         self.arrows: Arrows = check.instance("arrows", arrows, Arrows)
         self.faults: Faults = check.instance("faults", faults, Faults)
         self.title: str = check.instance("title", title, str)
+        # Nobody's page, or one origin's, may show this one in a frame.
+        if not re.fullmatch(r"(http://(127\.0\.0\.1|localhost):\d+)?", check.instance("frame", frame, str)):
+            raise ValueError(f"frame is a page of this machine, such as http://127.0.0.1:8000, not {frame!r:.40}")
+        self.frame = frame or "'none'"
 
     async def serve(self, listener: socket.socket) -> None:
         """Until it is cancelled."""
@@ -58,7 +63,7 @@ class Page:
 
     async def html(self, request: web.Request) -> web.StreamResponse:
         # In a frame of another page clicks on Drop and Cut could be stolen.
-        return web.FileResponse(HTML, headers={"Content-Security-Policy": "frame-ancestors 'none'"})
+        return web.FileResponse(HTML, headers={"Content-Security-Policy": f"frame-ancestors {self.frame}"})
 
     async def live(self, request: web.Request) -> web.StreamResponse:
         # A page that draws much, or is not in front, is slow to answer: it would take a closed connection for the

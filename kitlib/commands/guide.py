@@ -1,0 +1,34 @@
+"""Opens the guide in the browser, where its commands run by a button."""
+
+import argparse
+from pathlib import Path
+
+from kitlib.guide_page import answers
+from kitlib.lessons import ROOT
+from kitlib.programs import run_in_terminal
+from kitlib.setup import python_setup
+
+ABOUT = "Opens the guide in your browser, from this machine: its commands run by a button, and your answers by another."
+EXAMPLES = [
+    "guide                            until Ctrl-C; no internet is needed",
+    "guide --folder ../anna           what you change and what you have done is kept there",
+    "guide --report ../anna ../bo     a teacher's table: which exercises are done",
+]
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    what = "where your answers are kept; the folder answers of the kit if left out"
+    parser.add_argument("--folder", type=Path, metavar="DIR", help=what)
+    parser.add_argument("--port", type=int, default=0, help="of the page; 0, the default, takes a free one")
+    parser.add_argument("--report", type=Path, nargs="+", metavar="FOLDER", help="print a table of these folders")
+
+
+def do(options: argparse.Namespace) -> int:
+    if options.report:
+        return answers.report(options.report)
+    python = python_setup.interpreter("guide")
+    folder = (options.folder or ROOT / "answers").absolute()
+    # The programs of the pages leave their files where `kit.py run` has them, unless the reader has named a place.
+    leave = ["--leave", folder / "runs"] if options.folder else []
+    words = ["-m", "kitlib.guide_page.server", "--folder", folder, *leave, "--port", str(options.port)]
+    return run_in_terminal([python, *words])

@@ -1,0 +1,1 @@
+"""The guide in the browser: its pages, and beside each command of theirs a button that runs it on this machine."""
