@@ -19,16 +19,16 @@ EXAMPLES = [
 def add_options(parser: argparse.ArgumentParser) -> None:
     what = "where your answers are kept; the folder answers of the kit if left out"
     parser.add_argument("--folder", type=Path, metavar="DIR", help=what)
-    parser.add_argument("--port", type=int, default=0, help="of the page; 0, the default, takes a free one")
     parser.add_argument("--report", type=Path, nargs="+", metavar="FOLDER", help="print a table of these folders")
 
 
 def do(options: argparse.Namespace) -> int:
     if options.report:
         return answers.report(options.report)
-    python = python_setup.interpreter("guide")
     folder = (options.folder or ROOT / "answers").absolute()
-    # The programs of the pages leave their files where `kit.py run` has them, unless the reader has named a place.
-    leave = ["--leave", folder / "runs"] if options.folder else []
-    words = ["-m", "kitlib.guide_page.server", "--folder", folder, *leave, "--port", str(options.port)]
-    return run_in_terminal([python, *words])
+    try:
+        from kitlib.guide_page import server
+    except ModuleNotFoundError:
+        words = ["guide", *(["--folder", folder] if options.folder else [])]
+        return run_in_terminal([python_setup.interpreter("guide"), ROOT / "kit.py", *words])
+    return server.serve(folder, folder / "runs" if options.folder else None)

@@ -1,4 +1,4 @@
-"""The pages of the guide as HTML: what they link to, and what a search finds in them."""
+"""The pages of the guide as HTML: what can be done with each block, what they link to, what a search finds."""
 
 import json
 import re
@@ -14,12 +14,12 @@ from markdown_it import MarkdownIt
 from markdown_it.token import Token
 from pygments import highlight
 from pygments.formatters import HtmlFormatter
-from pygments.lexers import get_lexer_by_name, get_lexer_for_filename
-from pygments.util import ClassNotFound
+from pygments.lexers import TextLexer, find_lexer_class_for_filename, get_lexer_by_name
 
 from kitlib.docs import guide
-from kitlib.guide_page import answers, diagrams, runs
-from kitlib.lessons import ROOT, lessons
+from kitlib.guide_page import answers, runs
+from kitlib.guide_page.diagrams import svg
+from kitlib.lessons import ROOT, lessons, read_json
 
 HERE = Path(__file__).parent
 GUIDE = ROOT / "docs" / "guide"
@@ -32,30 +32,29 @@ def fence(_: Any, tokens: list[Token], at: int, __: Any, env: dict[str, Any]) ->
     """A block as it stands, with what can be done with it."""
     number, block = next(env["blocks"])
     if block.kind == "diagram":
-        return diagrams.svg(block.body)
-    code = coloured(block.body, block.language) if block.language else escape(block.body)
-    shown = f'<pre class="code"><code>{code}</code></pre>\n'
+        return svg(block.body)
+    lexer = get_lexer_by_name(block.language or "text", stripnl=False)
+    shown = f'<pre class="code"><code>{highlight(block.body, lexer, HtmlFormatter(nowrap=True))}</code></pre>'
     if block.kind == "excerpt":
         path, _, name = block.source.partition(" ")
-        own = re.search(r"Your own \w+ goes here", block.body) and path.endswith("/server.py")
-        shown = f'<div data-file="{escape(path)}?name={escape(name)}">{shown}</div>'
-        return shown + (answers.editor(Path(path).parent.name) if own else "")
+        own = path.endswith("/server.py") and re.search(r"Your own \w+ goes here", block.body)
+        more = editor(Path(path).parent.name) if own else ""
+        return f'<div data-file="{path}?name={name}">{shown}</div>{more}'
     if not runs.steps(block):
         return shown
-    fields = "".join(
-        f"<label>{escape(name)} <input data-field='{place}' data-name='{escape(name)}' value='{escape(value)}'></label>"
-        for place, (name, value) in enumerate(runs.fields(block))
-    )
     watch = '<button data-do="watch">Run with arrows</button>' if runs.watchable(block) else ""
-    tools = f'<p class="tools"><button data-do="run">Run</button>{watch}{fields}</p>'
+    for place, (name, value) in enumerate(runs.fields(block)):
+        watch += f'<label>{name} <input data-field="{place}" value="{escape(value)}"></label>'
+    tools = f'<p class="tools"><button data-do="run">Run</button>{watch}</p>'
     return f'<div class="run" data-block="{number}">{shown}{tools}</div>'
 
 
-def text(_: Any, tokens: list[Token], at: int, *__: Any) -> str:
-    """A task is a box to tick."""
-    content = tokens[at].content
-    task = at == 0 and content.startswith("[ ] ")
-    return '<input type="checkbox"> ' * task + escape(content[4 * task :])
+def editor(key: str) -> str:
+    """The place where a reader changes a lesson's server."""
+    found, tools = answers.exercises().get(key), '<button data-do="edit">Edit</button>'
+    tools += '<button data-do="check">Check</button>' if found and found.check else ""
+    tools += f"<span>{MARKDOWN.renderInline(found.text)}</span>" if found else ""
+    return f'<div class="own" data-lesson="{key}"><p class="tools">{tools}</p></div>'
 
 
 def html(_: Any, tokens: list[Token], at: int, *__: Any) -> str:
@@ -64,7 +63,7 @@ def html(_: Any, tokens: list[Token], at: int, *__: Any) -> str:
 
 
 MARKDOWN = MarkdownIt("commonmark", {"html": True}).enable("table")
-for kind, rule in {"fence": fence, "text": text, "html_block": html, "html_inline": html}.items():
+for kind, rule in {"fence": fence, "html_block": html, "html_inline": html}.items():
     MARKDOWN.add_render_rule(kind, rule)
 
 
@@ -77,6 +76,7 @@ def tokens_of(path: Path) -> list[Token]:
         elif token.type == "list_item_open" and path == ERRORS:
             token.attrSet("id", f"error-{at}")
         for child in token.children or ():
+            child.content = re.sub(r"^\[ \] ", "☐ ", child.content)
             if str(child.attrGet("href")).startswith("http"):
                 child.attrs |= {"target": "_blank", "rel": "noreferrer"}
     return tokens
@@ -84,16 +84,15 @@ def tokens_of(path: Path) -> list[Token]:
 
 def plain(token: Token) -> str:
     """The text of its first line."""
-    first = takewhile(lambda child: child.type != "hardbreak", token.children or ())
-    return "".join(child.content for child in first)
-
-
-def rendered(path: Path) -> str:
-    return str(MARKDOWN.renderer.render(tokens_of(path), MARKDOWN.options, {"blocks": enumerate(guide.blocks(path))}))
+    return "".join(child.content for child in takewhile(lambda each: each.type != "hardbreak", token.children or ()))
 
 
 def title(path: Path) -> str:
     return plain(next(token for token in tokens_of(path) if token.type == "inline"))
+
+
+def rendered(path: Path) -> str:
+    return str(MARKDOWN.renderer.render(tokens_of(path), MARKDOWN.options, {"blocks": enumerate(guide.blocks(path))}))
 
 
 @cache
@@ -104,77 +103,73 @@ def search() -> str:
         tokens = tokens_of(path)
         for at, token in enumerate(tokens):
             if token.attrGet("id"):
-                text = plain(next(each for each in tokens[at:] if each.type == "inline"))
-                found.append([text, f"{path.relative_to(ROOT).as_posix()}#{token.attrGet('id')}", title(path)])
+                said = plain(next(each for each in tokens[at:] if each.type == "inline"))
+                found.append([said, f"{path.relative_to(ROOT).as_posix()}#{token.attrGet('id')}", title(path)])
     return json.dumps(found)
 
 
 @cache
 def known() -> set[Path]:
     """All files that the guide shows: its pages, what these link to, and what lies in a folder that they link to."""
-    found = {*guide.pages(), *ROOT.glob("*.md")}
-    for page in list(found):
+    found = {*guide.pages(), *ROOT.glob("*.md"), *HERE.glob("page.*")}
+    for page in [path for path in found if path.suffix == ".md"]:
         for target in re.findall(r'(?:href|src|srcset|data-file)="([^"#?]+)', rendered(page)):
-            file = ((ROOT if target.startswith("python/") else page.parent) / unquote(target)).resolve()
-            if ROOT in file.parents and file.exists():
-                found |= {file, *(file.iterdir() if file.is_dir() else ())}
+            for file in {(folder / unquote(target)).resolve() for folder in (ROOT, page.parent)}:
+                if ROOT in file.parents and file.exists():
+                    found |= {file, *(file.iterdir() if file.is_dir() else ())}
     return found
 
 
-def label(page: str) -> str:
-    return re.sub(r"^(?:Lesson|Application) (\d+):", r"\1", title(GUIDE / f"{page}.md"))
-
-
 @cache
-def side() -> dict[str, list[str]]:
+def side(base: str) -> str:
     """The pages by group: the paths as on the map, whose title names them, and then those around the lessons."""
     keys = {f"{lesson.number:02}": lesson.key for lesson in lessons()}
     on_map = re.findall(r"[:;] ([^;:]+?), lessons ([\d, ]+)", MAP.read_text(encoding="utf-8"))
     groups = {"first": ["start_here", keys["01"]]}
     groups |= {path: [keys[number] for number in numbers.split(", ")] for path, numbers in on_map}
-    listed = {name for names in groups.values() for name in names}
-    return groups | {"around the lessons": [page.stem for page in guide.pages()[1:] if page.stem not in listed]}
+    rest = {page.stem for page in guide.pages()[1:]}.difference(*groups.values())
+    shown = ""
+    for group, names in (groups | {"around the lessons": sorted(rest)}).items():
+        links = ((name, re.sub(r"^\w+ (\d+):", r"\1", title(GUIDE / f"{name}.md"))) for name in names)
+        items = "".join(f'<li><a href="{base}docs/guide/{name}.md">{escape(label)}</a></li>' for name, label in links)
+        shown += f"<h2>{escape(group)}</h2><ul>{items}</ul>"
+    return shown
 
 
-def coloured(text: str, language: str) -> str:
-    return str(highlight(text, get_lexer_by_name(language, stripnl=False), HtmlFormatter(nowrap=True)))
-
-
-def source(path: Path, name: str) -> str:
-    """A file with numbered lines, of which those of the function that the page shows are marked."""
-    text = path.read_text(encoding="utf-8")
-    try:
-        lexer = get_lexer_for_filename(path.name, stripnl=False)
-    except ClassNotFound:
-        lexer = get_lexer_by_name("text", stripnl=False)
-    find = {".py": guide.python_lines, ".cs": guide.csharp_lines}.get(path.suffix)
-    marked = [line + 1 for line in (find(text, name) if find and name else None) or ()]
-    return str(highlight(text, lexer, HtmlFormatter(linenos="inline", hl_lines=marked, cssclass="code")))
-
-
-def page(path: Path, base: str, name: str = "") -> str:
-    """The whole page of a file or folder of the kit."""
+def page(path: Path, base: str, name: str) -> str:
+    """The whole page of a file or folder of the kit; a file's lines are numbered, and those of `name` marked."""
+    heading = path.relative_to(ROOT).as_posix()
     if path.suffix == ".md":
         return whole(title(path), rendered(path), base)
-    heading = path.relative_to(ROOT).as_posix()
-    files = [file.name for file in sorted(path.iterdir()) if file.is_file()] if path.is_dir() else []
-    listed = "".join(f'<li><a href="{base}{heading}/{file}">{file}</a></li>' for file in files)
-    body = f"<ul>{listed}</ul>" if path.is_dir() else source(path, name)
+    if path.is_dir():
+        names = (file.name for file in sorted(path.iterdir()) if file.suffix != ".meta")
+        body = "".join(f'<p><a href="{base}{heading}/{name}">{name}</a></p>' for name in names)
+    else:
+        text = path.read_text(encoding="utf-8")
+        find = {".py": guide.python_lines, ".cs": guide.csharp_lines}.get(path.suffix) if name else None
+        marked = [line + 1 for line in (find and find(text, name)) or ()]
+        lexer = (find_lexer_class_for_filename(path.name) or TextLexer)(stripnl=False)
+        body = highlight(text, lexer, HtmlFormatter(linenos="inline", hl_lines=marked, cssclass="code"))
     return whole(heading, f"<h1>{escape(heading)}</h1>{body}", base)
 
 
+def class_list(folder: Path, base: str) -> str:
+    """The exercises, each with a tick."""
+    done, rows = read_json(folder / answers.TICKS), ""
+    for key in answers.exercises():
+        tick = f'<input type="checkbox" aria-label="done" data-tick="{key}"{" checked" * (key in done)}>'
+        rows += f"<tr><td>{tick}</td><td>{key[:2]}</td><td>{editor(key)}</td></tr>"
+    about = f"<h1>Class list</h1><p>It is kept in {escape(str(folder / answers.TICKS))}.</p>"
+    return whole("Class list", f"{about}<table>{rows}</table>", base)
+
+
 def whole(heading: str, body: str, base: str) -> str:
-    listed = ""
-    for group, names in side().items():
-        items = "".join(f'<li><a href="{base}docs/guide/{name}.md">{escape(label(name))}</a></li>' for name in names)
-        listed += f"<h2>{escape(group)}</h2><ul>{items}</ul>"
     made = Template((HERE / "page.html").read_text(encoding="utf-8"))
-    return made.substitute(title=escape(heading), side=listed, body=body, base=base)
+    return made.substitute(title=escape(heading), side=side(base), body=body, base=base)
 
 
 @cache
 def style() -> str:
-    """That of the page, and the colours of code for light and for dark."""
+    """The colours of code, for light and for dark."""
     light, dark = (HtmlFormatter(style=name).get_style_defs(".code") for name in ("default", "monokai"))
-    own = (HERE / "page.css").read_text(encoding="utf-8")
-    return f"{light}\n@media (prefers-color-scheme: dark) {{ {dark} }}\n{own}"
+    return f"{light}\n@media (prefers-color-scheme: dark) {{ {dark} }}"
