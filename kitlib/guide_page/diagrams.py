@@ -43,7 +43,7 @@ def svg(source: str) -> str:
             y += high + 14
             way = 1 if other > one else -1
             kind, end = ("lost", other - 14 * way) if found[2] == "--x" else ("sent", other)
-            tip = "m-5 -5 l10 10 m0 -10 l-10 10" if kind == "lost" else f"l{-10 * way} -5 v10 z"
+            tip = "m-5 -5 l10 10 m0 -10 l-10 10" if kind == "lost" else f"m0 0 l{-10 * way} -5 v10 z"
             shown += words(found[4], (one + other) / 2, y - high + 8)
             shown += f'<path class="{kind}" d="M{one:.0f} {y:.0f} H{end:.0f} {tip}"/>'
         elif found := NOTE.fullmatch(line):

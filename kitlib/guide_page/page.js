@@ -81,9 +81,9 @@ for (const own of all(".own")) {
       text = make("textarea", { value: told.text, spellcheck: false, ariaLabel: told.path, onkeydown: type });
       edit.replaceWith(make("button", { textContent: "Save and run", onclick: attempt }));
       one(".tools", own).after(make("small", {}, told.path), text, make("p", { className: "verdict" }));
-      text.scrollTop = text.scrollHeight * above - 40;
       text.focus();
       text.setSelectionRange(told.at, told.at);
+      text.scrollTop = text.scrollHeight * above - 40;
     }
     one(".verdict", own).textContent = told.error;
     return !told.error;

@@ -1,0 +1,80 @@
+"""The guide in a real browser: a lesson without a terminal, and a page of a stranger's."""
+
+import functools
+import http.server
+import json
+import re
+import threading
+
+import pytest
+
+from tests.guide_site import block, opened
+from tests.programs import Mark, finds_processes
+
+pytest.importorskip("markdown_it")
+pytest.importorskip("pygments")
+FIRST = "docs/guide/01_request_reply.md"
+
+
+def test_a_lesson_without_a_terminal(tmp_path, open_page):
+    """A page, a run that is broken on purpose, arrows, an answer of one's own, large type; and all of it from here."""
+    with opened(tmp_path) as site:
+        page = open_page(f"{site.url}docs/guide/02_lazy_pirate.md")
+        drop = "[...document.querySelectorAll('.run')].find(each => each.innerText.includes('--drop 3'))"
+        page.evaluate(f"{drop}.id = 'drop'")
+        page.evaluate("document.querySelector('#drop input').value = '2'")
+        page.click("#drop [data-do=run]")
+        page.wait_for("document.querySelector('#drop .verdict') && !document.querySelector('#drop .output button')")
+        assert re.search(r"request 2, b'2-\w+': '2', dropped", page.text("#drop .columns"))
+        page.click("#drop [data-do=watch]")
+        page.wait_for(
+            "document.querySelector('#drop .verdict').textContent === 'as on the page' && frames.length === 1"
+        )
+        page.click("#drop .output button")
+        page.wait_for("document.querySelector('#drop .verdict').textContent === 'stopped' && frames.length === 0")
+        page.click("[data-do=edit]")
+        page.wait_for("!!document.querySelector('textarea')")
+        page.evaluate("""(() => { const text = document.querySelector('textarea');
+            text.value = text.value.replace('    if not (asked', '    return "7"\\n    if not (asked'); })()""")
+        page.click(".own button")
+        page.wait_for("document.querySelector('.own .output')?.innerText.includes('sent add 1, received 7')")
+        page.evaluate("""(() => { const text = document.querySelector('textarea');
+            text.value = text.value.replace('return "7"', 'return "8"'); })()""")
+        page.click(".own button")
+        page.wait_for("document.querySelector('.own .output').innerText.includes('sent add 1, received 8')")
+        page.click("main a[href*='LazyPirateRequester.cs']")
+        page.wait_for("document.querySelector('dialog').innerText.includes('class LazyPirateRequester')")
+        page.press("Escape")
+        page.resize(390, 800)
+        before = page.evaluate("parseFloat(getComputedStyle(document.body).fontSize)")
+        page.press("b")
+        assert page.evaluate("parseFloat(getComputedStyle(document.body).fontSize)") == 2 * before
+        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+        page.press("/")
+        page.type("Address already in use")
+        page.wait_for("document.querySelector('#found').innerText.includes('AddressAlreadyInUseException')")
+        assert page.errors == []
+        # A content security policy that is broken is said in the console; so is what comes from elsewhere.
+        assert page.said == []
+
+
+@finds_processes
+def test_a_page_of_a_stranger_starts_nothing(tmp_path, open_page):
+    """Even if it knows the whole address."""
+    mark = Mark()
+    (tmp_path / "index.html").write_text("<title>elsewhere</title><body></body>", encoding="utf-8")
+    files = functools.partial(http.server.SimpleHTTPRequestHandler, directory=tmp_path)
+    with (
+        opened(tmp_path, **mark.environment) as site,
+        http.server.ThreadingHTTPServer(("127.0.0.1", 0), files) as other,
+    ):
+        threading.Thread(target=other.serve_forever, daemon=True).start()
+        alone, wish = mark.processes(), json.dumps(json.dumps(block(FIRST, "run 1")))
+        page = open_page(f"http://127.0.0.1:{other.server_port}/")
+        for mode in ("cors", "no-cors"):
+            page.evaluate(f"fetch('{site.url}run', {{method: 'POST', mode: '{mode}', body: {wish}}}).catch(() => 0)")
+        frame = f"Object.assign(document.createElement('iframe'), {{src: '{site.url}{FIRST}', onload: done}})"
+        page.evaluate(f"new Promise(done => document.body.append({frame}))")
+        assert mark.processes() == alone
+        assert any("frame-ancestors" in line or "X-Frame-Options" in line for line in page.said), page.said
+        other.shutdown()
