@@ -17,8 +17,7 @@ EXAMPLES = [
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    what = "where your answers are kept; the folder answers of the kit if left out"
-    parser.add_argument("--folder", type=Path, metavar="DIR", help=what)
+    parser.add_argument("--folder", type=Path, metavar="DIR", help="for your answers; else the kit's folder answers")
     parser.add_argument("--report", type=Path, nargs="+", metavar="FOLDER", help="print a table of these folders")
 
 

@@ -19,24 +19,23 @@ def words(text: str, x: float, y: float) -> str:
     return "".join(f'<text x="{x:.0f}" y="{y + LINE * at:.0f}">{escape(line)}</text>' for at, line in lines)
 
 
-def box(kind: str, x: float, y: float, wide: float, high: float) -> str:
+def box(x: float, y: float, wide: float, high: float) -> str:
     """`x` is its middle."""
     place = f'x="{x - wide / 2:.0f}" y="{y:.0f}" width="{wide:.0f}" height="{high:.0f}"'
-    return f'<rect class="{kind}" {place} rx="6"/>'
+    return f'<rect {place} rx="6"/>'
 
 
 def svg(source: str) -> str:
     """The picture, whose colours are those of the page's style."""
     lines = [line.strip() for line in source.splitlines()[1:] if line.strip()]
-    declared = filter(None, (re.fullmatch(r"participant (\w+)(?: as (.*))?", line) for line in lines))
-    names = {each[1]: each[2] or each[1] for each in declared}
+    names = {name: shown or name for name, shown in re.findall(r"participant (\w+)(?: as (.*))?", source)}
     order, arrows = list(names), [found for found in map(ARROW.fullmatch, lines) if found]
     spans = [size(each[4])[0] / abs(order.index(each[1]) - order.index(each[3])) for each in arrows]
     gap = max(*spans, *(size(name)[0] + 12 for name in names.values()))
     at = {name: gap * number for number, name in enumerate(order)}
-    middle, whole = gap * (len(order) - 1) / 2, gap * (len(order) - 1) + 100
+    right = gap * (len(order) - 1)
     edges = [x + side * size(names[name])[0] / 2 for name, x in at.items() for side in (-1, 1)]
-    shown, y, top = "", 54.0, 0.0
+    shown, y = "", 54.0
     for line in lines:
         if found := ARROW.fullmatch(line):
             one, other, high = at[found[1]], at[found[3]], size(found[4])[1]
@@ -50,21 +49,17 @@ def svg(source: str) -> str:
             first, last, (wide, high) = at[found[1]], at[found[2] or found[1]], size(found[3])
             x, wide = (first + last) / 2, max(wide, abs(last - first) + 40)
             edges += [x - wide / 2, x + wide / 2]
-            shown += box("note", x, y + 10, wide, high + 10) + words(found[3], x, y + LINE + 10)
+            shown += box(x, y + 10, wide, high + 10) + words(found[3], x, y + LINE + 10)
             y += high + 24
-        elif found := re.fullmatch(r"(alt|else) (.*)", line):
-            y += LINE + 14
-            top = y - LINE if found[1] == "alt" else top
-            shown += f'<path class="else" d="M{middle - whole / 2:.0f} {y - LINE:.0f} h{whole:.0f}"/>'
-            shown += words(f"[{found[2]}]", middle, y)
-        elif line == "end":
-            y += 12
-            shown += box("frame", middle, top, whole, y - top)
-            edges += [middle - whole / 2, middle + whole / 2]
+        elif found := re.fullmatch(r"(?:alt|else|end) ?(.*)", line):
+            shown += f'<path class="life" d="M-50 {y + 14:.0f} h{right + 100:.0f}"/>'
+            y += LINE + 14 if found[1] else 14
+            shown += words(found[1], right / 2, y)
+            edges += [-50, right + 50]
     heads = ""
     for name, x in at.items():
         heads += f'<path class="life" d="M{x:.0f} 40 V{y + 14:.0f}"/>'
-        heads += box("note head", x, 8, size(names[name])[0], 32) + words(names[name], x, 29)
+        heads += box(x, 8, size(names[name])[0], 32) + words(names[name], x, 29)
     left, wide = min(edges) - 8, max(edges) - min(edges) + 16
     said = escape("; ".join(each[0] for each in arrows), quote=True)
     view = f'viewBox="{left:.0f} 0 {wide:.0f} {y + 22:.0f}" width="{wide:.0f}" role="img" aria-label="{said}"'

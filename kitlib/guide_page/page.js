@@ -1,4 +1,3 @@
-"use strict";
 // What programs print is put in as text, never as HTML.
 const one = (selector, within = document) => within.querySelector(selector);
 const all = (selector, within = document) => [...within.querySelectorAll(selector)];
@@ -16,7 +15,8 @@ async function ask(what, wish, signal) {
 
 // ---- One run at a time: its lines as they come, until it ends, or the page or its Stop ends it ----
 
-let running = null;
+const GONE = "the guide has ended: start it again by kit.py guide, and open the new address";
+let running = null, index = null;
 async function run(place, what, wish) {
   running?.stop.abort();
   const mine = running = { place, stop: new AbortController() };
@@ -26,10 +26,8 @@ async function run(place, what, wish) {
   one(".output", place)?.remove();
   place.append(output);
   const column = who => {
-    if (!seen[who]) {
-      seen[who] = make("pre");
-      columns[who === "server" ? "prepend" : "append"](make("div", {}, make("b", {}, who), seen[who]));
-    }
+    const put = who === "server" ? "prepend" : "append";
+    if (!seen[who]) columns[put](make("div", {}, make("b", {}, who), seen[who] = make("pre")));
     return seen[who];
   };
   const hear = news => {
@@ -51,22 +49,20 @@ async function run(place, what, wish) {
       lines.map(JSON.parse).forEach(hear);
     }
   } catch (error) {
-    verdict.textContent = mine.stop.signal.aborted ? "stopped" : error.message;
+    const why = error instanceof TypeError ? GONE : error.message;
+    verdict.textContent = mine.stop.signal.aborted ? "stopped" : why;
   }
   button.remove();
   one("iframe", output)?.remove();
   if (running === mine) running = null;
 }
 
-for (const block of all(".run")) {
-  const start = watch => {
-    const values = Object.fromEntries(all("[data-field]", block).map(field => [field.dataset.field, field.value]));
+for (const block of all(".run"))
+  block.onsubmit = event => {
+    event.preventDefault();
+    const watch = event.submitter.value === "watch", values = Object.fromEntries(new FormData(event.target));
     run(block, "run", { page: location.pathname.slice(base.length), block: block.dataset.block, values, watch });
   };
-  for (const button of all("[data-do]", block)) button.onclick = () => start(button.dataset.do === "watch");
-  for (const field of all("[data-field]", block))
-    field.onkeydown = event => { if (event.key === "Enter") start(false); };
-}
 
 // ---- The reader's own server ----
 
@@ -77,13 +73,11 @@ for (const own of all(".own")) {
   const saved = async () => {
     const told = await (await ask("edit", { lesson, text: text?.value })).json();
     if (!text) {
-      const above = told.text.slice(0, told.at).split("\n").length / told.text.split("\n").length;
       text = make("textarea", { value: told.text, spellcheck: false, ariaLabel: told.path, onkeydown: type });
       edit.replaceWith(make("button", { textContent: "Save and run", onclick: attempt }));
       one(".tools", own).after(make("small", {}, told.path), text, make("p", { className: "verdict" }));
-      text.focus();
       text.setSelectionRange(told.at, told.at);
-      text.scrollTop = text.scrollHeight * above - 40;
+      text.focus();
     }
     one(".verdict", own).textContent = told.error;
     return !told.error;
@@ -91,9 +85,8 @@ for (const own of all(".own")) {
   const type = event => {
     const line = text.value.slice(0, text.selectionStart).split("\n").pop(), more = line.endsWith(":") ? "    " : "";
     const put = { Tab: "    ", Enter: `\n${line.match(/^ */)[0]}${more}` }[event.key];
-    if (event.key === "s" && (event.ctrlKey || event.metaKey)) attempt();
-    else if (put && !event.shiftKey) text.setRangeText(put, text.selectionStart, text.selectionEnd, "end");
-    else return;
+    if (!put || event.shiftKey) return;
+    text.setRangeText(put, text.selectionStart, text.selectionEnd, "end");
     event.preventDefault();
   };
   // A server that runs already is started anew by what is saved, and its client as well.
@@ -101,12 +94,12 @@ for (const own of all(".own")) {
   edit.onclick = saved;
   if (check) check.onclick = async () => { if (!text || await saved()) run(own, "try", { lesson, check: true }); };
 }
+for (const link of all("main a[href^=http]")) link.target = "_blank";
 for (const box of all("[data-tick]"))
   box.onchange = () => ask("tick", { lesson: box.dataset.tick, done: box.checked });
 
 // ---- Search, source files, large type ----
 
-let index = null;
 const field = one("#search"), found = one("#found");
 field.oninput = async () => {
   index ??= await (await fetch(`${base}search.json`)).json();
@@ -138,7 +131,6 @@ large(localStorage.getItem("big") === "yes");
 one("#big").onclick = () => large();
 one("#menu").onclick = () => one("nav").classList.toggle("open");
 document.addEventListener("keydown", event => {
-  if (event.key === "Escape") found.hidden = true;
   if (event.target.matches("input, textarea") || event.ctrlKey || event.metaKey || event.altKey) return;
   if (event.key === "b") large();
   if (event.key === "/") { event.preventDefault(); field.focus(); }

@@ -6,9 +6,7 @@ from functools import cache
 from html import escape
 from itertools import takewhile
 from pathlib import Path
-from string import Template
 from typing import Any
-from urllib.parse import unquote
 
 from markdown_it import MarkdownIt
 from markdown_it.token import Token
@@ -19,13 +17,10 @@ from pygments.lexers import TextLexer, find_lexer_class_for_filename, get_lexer_
 from kitlib.docs import guide
 from kitlib.guide_page import answers, runs
 from kitlib.guide_page.diagrams import svg
-from kitlib.lessons import ROOT, lessons, read_json
+from kitlib.lessons import ROOT, find, lessons, read_json
 
 HERE = Path(__file__).parent
 GUIDE = ROOT / "docs" / "guide"
-MAP = ROOT / "img" / "lessons.svg"
-# Each item of its lists begins with the text of an error.
-ERRORS = GUIDE / "troubleshooting.md"
 
 
 def fence(_: Any, tokens: list[Token], at: int, __: Any, env: dict[str, Any]) -> str:
@@ -40,13 +35,14 @@ def fence(_: Any, tokens: list[Token], at: int, __: Any, env: dict[str, Any]) ->
         own = path.endswith("/server.py") and re.search(r"Your own \w+ goes here", block.body)
         more = editor(Path(path).parent.name) if own else ""
         return f'<div data-file="{path}?name={name}">{shown}</div>{more}'
-    if not runs.steps(block):
+    if not (steps := runs.steps(block)):
         return shown
-    watch = '<button data-do="watch">Run with arrows</button>' if runs.watchable(block) else ""
+    # Only ZeroMQ has arrows.
+    arrows = len(steps) == 1 and steps[0][0] == "run" and find(steps[0][1]).scheme == "tcp"
+    tools = "<button>Run</button>" + '<button value="watch">Run with arrows</button>' * arrows
     for place, (name, value) in enumerate(runs.fields(block)):
-        watch += f'<label>{name} <input data-field="{place}" value="{escape(value)}"></label>'
-    tools = f'<p class="tools"><button data-do="run">Run</button>{watch}</p>'
-    return f'<div class="run" data-block="{number}">{shown}{tools}</div>'
+        tools += f'<label>{name} <input name="{place}" size="9" value="{escape(value)}"></label>'
+    return f'<div class="run" data-block="{number}">{shown}<form class="tools">{tools}</form></div>'
 
 
 def editor(key: str) -> str:
@@ -73,12 +69,10 @@ def tokens_of(path: Path) -> list[Token]:
     for at, token in enumerate(tokens):
         if token.type == "heading_open":
             token.attrSet("id", re.sub(r"[^\w\- ]", "", plain(tokens[at + 1]).lower()).replace(" ", "-"))
-        elif token.type == "list_item_open" and path == ERRORS:
+        elif token.type == "list_item_open" and path.stem == "troubleshooting":
             token.attrSet("id", f"error-{at}")
         for child in token.children or ():
             child.content = re.sub(r"^\[ \] ", "☐ ", child.content)
-            if str(child.attrGet("href")).startswith("http"):
-                child.attrs |= {"target": "_blank", "rel": "noreferrer"}
     return tokens
 
 
@@ -114,7 +108,7 @@ def known() -> set[Path]:
     found = {*guide.pages(), *ROOT.glob("*.md"), *HERE.glob("page.*")}
     for page in [path for path in found if path.suffix == ".md"]:
         for target in re.findall(r'(?:href|src|srcset|data-file)="([^"#?]+)', rendered(page)):
-            for file in {(folder / unquote(target)).resolve() for folder in (ROOT, page.parent)}:
+            for file in {(folder / target).resolve() for folder in (ROOT, page.parent)}:
                 if ROOT in file.parents and file.exists():
                     found |= {file, *(file.iterdir() if file.is_dir() else ())}
     return found
@@ -124,9 +118,10 @@ def known() -> set[Path]:
 def side(base: str) -> str:
     """The pages by group: the paths as on the map, whose title names them, and then those around the lessons."""
     keys = {f"{lesson.number:02}": lesson.key for lesson in lessons()}
-    on_map = re.findall(r"[:;] ([^;:]+?), lessons ([\d, ]+)", MAP.read_text(encoding="utf-8"))
+    on_map = (ROOT / "img" / "lessons.svg").read_text(encoding="utf-8")
     groups = {"first": ["start_here", keys["01"]]}
-    groups |= {path: [keys[number] for number in numbers.split(", ")] for path, numbers in on_map}
+    for path, numbers in re.findall(r"[:;] ([^;:]+?), lessons ([\d, ]+)", on_map):
+        groups[path] = [keys[number] for number in numbers.split(", ")]
     rest = {page.stem for page in guide.pages()[1:]}.difference(*groups.values())
     shown = ""
     for group, names in (groups | {"around the lessons": sorted(rest)}).items():
@@ -159,17 +154,10 @@ def class_list(folder: Path, base: str) -> str:
     for key in answers.exercises():
         tick = f'<input type="checkbox" aria-label="done" data-tick="{key}"{" checked" * (key in done)}>'
         rows += f"<tr><td>{tick}</td><td>{key[:2]}</td><td>{editor(key)}</td></tr>"
-    about = f"<h1>Class list</h1><p>It is kept in {escape(str(folder / answers.TICKS))}.</p>"
-    return whole("Class list", f"{about}<table>{rows}</table>", base)
+    about = f"<h1>Class list</h1><p>It is kept in {escape(str(folder / answers.TICKS))}.</p><table>{rows}</table>"
+    return whole("Class list", about, base)
 
 
 def whole(heading: str, body: str, base: str) -> str:
-    made = Template((HERE / "page.html").read_text(encoding="utf-8"))
-    return made.substitute(title=escape(heading), side=side(base), body=body, base=base)
-
-
-@cache
-def style() -> str:
-    """The colours of code, for light and for dark."""
-    light, dark = (HtmlFormatter(style=name).get_style_defs(".code") for name in ("default", "monokai"))
-    return f"{light}\n@media (prefers-color-scheme: dark) {{ {dark} }}"
+    made = (HERE / "page.html").read_text(encoding="utf-8")
+    return made.format(title=escape(heading), side=side(base), body=body, base=base)

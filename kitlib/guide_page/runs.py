@@ -15,7 +15,7 @@ from typing import Any
 from kitlib import commands
 from kitlib.commands import client, doctor, run, server, test
 from kitlib.docs import guide
-from kitlib.lessons import ROOT, KitError, UsageError, find
+from kitlib.lessons import ROOT, KitError, Lesson, UsageError, find
 from kitlib.programs import end, spawn
 
 # These change nothing but what they leave in the folder of a run.
@@ -64,12 +64,6 @@ def filled(block: guide.Block, values: Mapping[str, str]) -> str:
     return FIELD.sub(other, block.body)
 
 
-def watchable(block: guide.Block) -> bool:
-    """Only ZeroMQ has arrows."""
-    first, *more = steps(block)
-    return first[0] == "run" and not more and find(first[1]).scheme == "tcp"
-
-
 def verdict(page: Path, words: Sequence[str], lines: Sequence[str]) -> str:
     """Whether a run printed what the page shows of it, by the rule of the tests; nothing where the page shows none."""
     for block in guide.blocks(page):
@@ -79,21 +73,19 @@ def verdict(page: Path, words: Sequence[str], lines: Sequence[str]) -> str:
     return ""
 
 
-def taken(port: int) -> bool:
+def place(lesson: Lesson) -> list[str]:
+    """An endpoint for its server, where somebody has its own."""
     with socket.socket() as probe:
-        return probe.connect_ex(("127.0.0.1", port)) == 0
+        return [] if probe.connect_ex(("127.0.0.1", lesson.port)) else ["--endpoint", lesson.anywhere]
 
 
 def arranged(words: list[str], origin: str, folder: Path | None) -> list[str]:
-    """A run's words, on a free port where somebody has the lesson's own; with its page of messages in this origin's."""
+    """A run's words, with a place for it and for its files, and with its page of messages in one of this origin's."""
     if words[0] not in ("run", "server", "client"):
         return words
     lesson = find(words[1])
     more = ["--folder", str(folder / lesson.key[:2])] if folder else []
-    if origin:
-        more += ["--watch", "--frame", origin]
-    elif words[0] == "run" and taken(lesson.port):
-        more += ["--endpoint", lesson.anywhere]
+    more += ["--watch", "--frame", origin] if origin else place(lesson) if words[0] == "run" else []
     return [*words[:2], *more, *(word for word in words[2:] if word != "--watch")]
 
 
@@ -159,5 +151,5 @@ class Play:
         who, text = found.groups() if found else (program, line)
         if page := re.match(r"open (http://127\.0\.0\.1:\d+/) in", text):
             self.tell({"page": page[1]})
-        self.lines.append(line if found else f"{program} | {line}")
+        self.lines.append(f"{who} | {text}")
         self.tell({"who": who, "text": text})

@@ -11,12 +11,12 @@ import select
 import signal
 import socket
 import sys
-import threading
 from collections.abc import Callable
+from contextlib import suppress
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
-from urllib.parse import parse_qs, unquote, urlsplit
+from urllib.parse import parse_qs, urlsplit
 
 from kitlib.commands.run import open_in_browser
 from kitlib.docs import guide
@@ -26,13 +26,10 @@ from kitlib.lessons import ROOT, KitError, find
 from kitlib.signals import uninterrupted
 from kitlib.terminal import say
 
-START = "docs/guide/start_here.md"
 HTML, PLAIN, JSON = "text/html; charset=utf-8", "text/plain; charset=utf-8", "application/json"
 TYPES = {".svg": "image/svg+xml", ".png": "image/png", ".gif": "image/gif"}
 TYPES |= {".css": "text/css", ".js": "text/javascript"}
 MOST_BYTES = 1_000_000
-# So long a run that was told to end is waited for, at the end of the server.
-LAST_SECONDS = 20
 HEADERS = {
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:;"
     " connect-src 'self'; frame-src http://127.0.0.1:*; frame-ancestors 'none'; base-uri 'none'; form-action 'none'",
@@ -46,14 +43,13 @@ HEADERS = {
 class Guide(ThreadingHTTPServer):
     """The server, and the runs that end with it."""
 
-    daemon_threads = True
+    # Its end waits for them.
+    daemon_threads = False
 
     def __init__(self, folder: Path, leave: Path | None) -> None:
         super().__init__(("127.0.0.1", 0), Handler)
-        self.folder, self.leave = folder, leave
-        self.base = f"/{secrets.token_urlsafe(16)}/"
-        self.stopping = threading.Event()
-        self.playing: set[threading.Thread] = set()
+        self.folder, self.leave, self.base = folder, leave, f"/{secrets.token_urlsafe(16)}/"
+        self.stopping = False
 
     def handle_error(self, *about: Any) -> None:
         """A browser that has closed a tab is no mistake."""
@@ -63,8 +59,8 @@ class Guide(ThreadingHTTPServer):
 
 class Handler(BaseHTTPRequestHandler):
     server: Guide
-    # A connection that a browser has opened in advance asks nothing.
-    timeout = 30
+    # Seconds. A connection that a browser opens in advance asks nothing, and is waited for at the end.
+    timeout = 2
 
     def log_message(self, *_: Any) -> None:
         """The terminal is for what a reader must see."""
@@ -94,12 +90,10 @@ class Handler(BaseHTTPRequestHandler):
         if why := self.refusal():
             return self.answer(PLAIN, why, 403)
         base, address = self.server.base, urlsplit(self.path)
-        name, function = unquote(address.path).removeprefix(base), parse_qs(address.query).get("name", [""])[0]
+        name, function = address.path.removeprefix(base), parse_qs(address.query).get("name", [""])[0]
         path = (ROOT / name).resolve()
         if not name:
-            return self.answer(PLAIN, "", 302, Location=base + START)
-        if name == "code.css":
-            return self.answer(TYPES[".css"], pages.style())
+            return self.answer(PLAIN, "", 302, Location=f"{base}docs/guide/start_here.md")
         if name == "search.json":
             return self.answer(JSON, pages.search())
         if name == "class":
@@ -148,19 +142,17 @@ class Handler(BaseHTTPRequestHandler):
 
     def attempt(self, wish: dict[str, Any]) -> None:
         """The reader's own server and a client; or, to check an exercise, the client that this takes."""
-        lesson = find(wish["lesson"])
-        path, exercise = answers.own_server(self.server.folder, lesson.key), answers.exercises().get(lesson.key)
-        check = exercise if wish["check"] else None
-        endpoint = ["--endpoint", lesson.anywhere] if runs.taken(lesson.port) else []
-        server = ["server", str(path), *([] if check else ["--reload"]), "--", *endpoint]
+        lesson, folder = find(wish["lesson"]), self.server.folder
+        path, check = answers.own_server(folder, lesson.key), answers.exercises()[lesson.key] if wish["check"] else None
+        server = ["server", str(path), *([] if check else ["--reload"]), "--", *runs.place(lesson)]
         client = ["client", lesson.key, "--client", "python", "--folder", str(path.parent)]
 
         def done(play: runs.Play) -> None:
-            if check:
-                passed = check.passed(play.code, play.lines)
-                if passed:
-                    answers.tick(self.server.folder, lesson.key, "checked")
-                play.tell({"passed": passed, "verdict": "done" if passed else "not yet"})
+            if check and check.passed(play.code, play.lines):
+                answers.tick(folder, lesson.key, "checked")
+                play.tell({"verdict": "done", "passed": True})
+            elif check:
+                play.tell({"verdict": "not yet"})
 
         self.play([server, [*client, *(check.check if check else [])]], path.parent, done)
 
@@ -171,14 +163,12 @@ class Handler(BaseHTTPRequestHandler):
         def listens() -> bool:
             # The browser sends nothing more: what can be read is the end of the connection, by Stop or a closed tab.
             there, _, _ = select.select([self.connection], [], [], 0)
-            return not self.server.stopping.is_set() and not (there and not self.connection.recv(1, socket.MSG_PEEK))
+            return not self.server.stopping and not (there and not self.connection.recv(1, socket.MSG_PEEK))
 
+        # A page that is busy may read slowly.
+        self.connection.settimeout(10)
         self.answer("application/x-ndjson", None)
-        self.server.playing.add(threading.current_thread())
-        try:
-            runs.Play(steps, folder, tell, done).all(listens)
-        finally:
-            self.server.playing.discard(threading.current_thread())
+        runs.Play(steps, folder, tell, done).all(listens)
 
 
 def serve(folder: Path, leave: Path | None) -> int:
@@ -189,13 +179,9 @@ def serve(folder: Path, leave: Path | None) -> int:
     say(f"{'opening' if open_in_browser(address) else 'open'} {address} in a browser; Ctrl-C ends it")
     # A shell's & has Ctrl-C ignored, also by all programs that are started here, which end by it.
     signal.signal(signal.SIGINT, signal.default_int_handler)
-    try:
+    with suppress(KeyboardInterrupt):
         server.serve_forever(0.2)
-    except KeyboardInterrupt:
-        pass
-    finally:
-        with uninterrupted():
-            server.stopping.set()
-            for thread in list(server.playing):
-                thread.join(LAST_SECONDS)
+    with uninterrupted():
+        server.stopping = True
+        server.server_close()
     return 0

@@ -23,10 +23,11 @@ def test_a_lesson_without_a_terminal(tmp_path, open_page):
         drop = "[...document.querySelectorAll('.run')].find(each => each.innerText.includes('--drop 3'))"
         page.evaluate(f"{drop}.id = 'drop'")
         page.evaluate("document.querySelector('#drop input').value = '2'")
-        page.click("#drop [data-do=run]")
+        page.click("#drop form button")
         page.wait_for("document.querySelector('#drop .verdict') && !document.querySelector('#drop .output button')")
         assert re.search(r"request 2, b'2-\w+': '2', dropped", page.text("#drop .columns"))
-        page.click("#drop [data-do=watch]")
+        page.evaluate("document.querySelector('#drop input').value = '3'")
+        page.click("#drop [value=watch]")
         page.wait_for(
             "document.querySelector('#drop .verdict').textContent === 'as on the page' && frames.length === 1"
         )
