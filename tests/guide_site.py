@@ -30,14 +30,14 @@ class Site:
             return answer.status, answer.headers, answer.read().decode("utf-8", "replace")
 
     def told(self, path, wish):
-        """What a run tells, line by line."""
+        """The lines that a run tells."""
         status, _, text = self.ask(path, wish)
         assert status == 200, text
         return [json.loads(line) for line in text.splitlines()]
 
 
 def block(page, command, **values):
-    """What the page sends to run this command of its own."""
+    """The page's own words to run this command."""
     bodies = [each.body for each in guide.blocks(ROOT / page)]
     return {"page": page, "block": bodies.index(f"python3 kit.py {command}\n"), "values": values, "watch": False}
 

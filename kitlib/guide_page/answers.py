@@ -52,7 +52,7 @@ def own_server(folder: Path, key: str) -> Path:
 
 
 def mistake(path: Path) -> str:
-    """What Python does not understand in it, or nothing."""
+    """The line that Python does not understand, or nothing."""
     try:
         compile(path.read_bytes(), path.name, "exec")
     except (SyntaxError, ValueError) as error:

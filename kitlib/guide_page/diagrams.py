@@ -16,7 +16,8 @@ def size(text: str) -> tuple[float, int]:
 
 def words(text: str, x: float, y: float) -> str:
     lines = enumerate(text.split("<br/>"))
-    return "".join(f'<text x="{x:.0f}" y="{y + LINE * at:.0f}">{escape(line)}</text>' for at, line in lines)
+    spans = (f'<tspan x="{x:.0f}" y="{y + LINE * at:.0f}">{escape(line)}</tspan>' for at, line in lines)
+    return f"<text>{''.join(spans)}</text>"
 
 
 def box(x: float, y: float, wide: float, high: float) -> str:

@@ -64,7 +64,7 @@ for kind, rule in {"fence": fence, "html_block": html, "html_inline": html}.item
 
 
 def tokens_of(path: Path) -> list[Token]:
-    """What the page consists of, with an id for each heading, as GitHub has it, and for each text of an error."""
+    """Markdown-it's tokens of a page, with an id for each heading, as GitHub has it, and for each text of an error."""
     tokens = MARKDOWN.parse(path.read_text(encoding="utf-8"))
     for at, token in enumerate(tokens):
         if token.type == "heading_open":
@@ -91,7 +91,7 @@ def rendered(path: Path) -> str:
 
 @cache
 def search() -> str:
-    """What can be found, as JSON: each title or text of an error, where it is, and the title of the page."""
+    """Each title and each text of an error, where it is, and the title of the page, as JSON."""
     found = []
     for path in guide.pages():
         tokens = tokens_of(path)

@@ -1,4 +1,4 @@
-"""What a block of the guide runs: its own commands of kit.py, and nothing else, each line shown as it comes."""
+"""A block of the guide runs its own commands of kit.py, and nothing else; each line is told as it comes."""
 
 import re
 import shlex
@@ -23,7 +23,7 @@ COMMANDS = {"run": run, "server": server, "client": client, "doctor": doctor, "t
 # Options that may get another value, and values that end neither a word nor a command.
 FIELD = re.compile(r"(--(?!client)[\w-]+) ([\w.][\w./|-]*|'[^']*')")
 VALUE = re.compile(r"[\w ./|:+-]{1,80}")
-# What other machines would reach, and where files would lie, is for a terminal; so are two commands in a line.
+# A terminal is the place for servers that other machines reach, for folders, and for two commands in a line.
 ELSEWHERE = re.compile(r"--folder|--open-to-anyone|tcp://(?!127\.0\.0\.1\b)| ; ")
 Tell = Callable[[dict[str, Any]], None]
 # The client has ended, and the page of messages is still there.
@@ -97,7 +97,7 @@ class Play:
         self.steps, self.folder, self.tell, self.done = steps, folder, tell, done
         self.news: SimpleQueue[tuple[int, Popen[bytes], str | None]] = SimpleQueue()
         self.running: dict[int, Popen[bytes]] = {}
-        # What was said, and with which exit code the newest to end has ended.
+        # All lines so far, and the exit code of the newest step that has ended.
         self.lines: list[str] = []
         self.code = 0
 
@@ -108,7 +108,7 @@ class Play:
             while listens() and not over:
                 with suppress(Empty):
                     number, process, line = self.news.get(timeout=0.1)
-                    # What a client that was ended for a new one has still said is of no use.
+                    # A client that was ended for a new one may have lines left.
                     over = self.running[number] is process and self.hear(number, line)
         finally:
             for process in reversed(self.running.values()):

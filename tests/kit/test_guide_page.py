@@ -78,7 +78,7 @@ def test_nothing_runs_but_what_stands_in_the_pages(tmp_path):
             status, _, text = site.ask("run", {**wish, **other})
             assert status == 400 and "no such command" in text, other
         assert site.ask("shell", {"words": ["ls"]})[0] == 403
-        # What the program does not take it says itself.
+        # The program itself refuses this one.
         told = site.told("run", {**wish, "values": {"0": "many"}})
         assert any("--drop" in line and "many" in line for line in shown(told, "server")), told
 
