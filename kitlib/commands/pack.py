@@ -60,7 +60,7 @@ def do(options: argparse.Namespace) -> int:
 
 def wheels(folder: Path, system: str, version: str, tags: list[str]) -> None:
     """The Python packages of all lessons and their tests, by the pip of .venv or of this interpreter."""
-    needs = python_setup.needs(*(lesson.key for lesson in lessons()), "tests", "tests-more")
+    needs = python_setup.needs(*(lesson.key for lesson in lessons()), "guide", "tests", "tests-more")
     # Pytest needs it on Windows alone, and pip asks on which system it runs itself.
     needs += ["colorama"] if system == "windows" else []
     own = python_setup.venv_python()
