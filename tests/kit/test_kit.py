@@ -206,7 +206,7 @@ def kit_runs(*each):
 
 WRONG = [
     ("rum 1", "there is no command 'rum'; did you mean run?"),
-    ("--nonsense", r"there is no command '--nonsense'; there are: run, server, client, test, "),
+    ("--nonsense", r"there is no command '--nonsense'; there are: run, server, client, guide, test, "),
     ("run", f".* required: LESSON; `{lessons.KIT} run --help` shows how$"),
     ("run 99", "there is no lesson 99; there are: 01_request_reply, 02_lazy_pirate, "),
     ("run request", r"there is no lesson request; did you mean 01_request_reply\?$"),
