@@ -16,6 +16,7 @@ async function ask(what, wish, signal) {
 // ---- One run at a time: its lines as they come, until it ends, or the page or its Stop ends it ----
 
 const GONE = "the guide has ended: start it again by kit.py guide, and open the new address";
+addEventListener("unhandledrejection", event => alert(event.reason instanceof TypeError ? GONE : event.reason.message));
 let running = null, index = null;
 async function run(place, what, wish) {
   running?.stop.abort();
@@ -100,7 +101,7 @@ for (const box of all("[data-tick]"))
 
 // ---- Search, source files, large type ----
 
-const field = one("#search"), found = one("#found");
+const field = one("#search"), found = one("#found"), shown = one("dialog");
 field.oninput = async () => {
   index ??= await (await fetch(`${base}search.json`)).json();
   const words = field.value.toLowerCase().split(/[\s'"`:()]+/).filter(word => word);
@@ -113,7 +114,6 @@ field.oninput = async () => {
 };
 found.onclick = () => { found.hidden = true; };
 
-const shown = one("dialog");
 document.addEventListener("click", async event => {
   const link = event.target.closest?.("main a, dialog a"), file = link?.pathname.slice(base.length);
   if (!link || link.target || event.ctrlKey || event.metaKey || /\.md$|^class$/.test(file)) return;

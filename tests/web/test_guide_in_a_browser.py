@@ -44,6 +44,8 @@ def test_a_lesson_without_a_terminal(tmp_path, open_page):
             text.value = text.value.replace('return "7"', 'return "8"'); })()""")
         page.click(".own button")
         page.wait_for("document.querySelector('.own .output').innerText.includes('sent add 1, received 8')")
+        page.click("[data-do=check]")
+        page.wait_for("document.querySelector('.own .verdict.good')?.innerText === 'done'")
         page.click("main a[href*='LazyPirateRequester.cs']")
         page.wait_for("document.querySelector('dialog').innerText.includes('class LazyPirateRequester')")
         page.press("Escape")
@@ -55,9 +57,13 @@ def test_a_lesson_without_a_terminal(tmp_path, open_page):
         page.press("/")
         page.type("Address already in use")
         page.wait_for("document.querySelector('#found').innerText.includes('AddressAlreadyInUseException')")
+        from_here = "performance.getEntriesByType('resource').every(each => each.name.startsWith('http://127.0.0.1:'))"
+        assert page.evaluate(from_here)
         assert page.errors == []
         # A content security policy that is broken is said in the console; so is what comes from elsewhere.
         assert page.said == []
+        page.go(f"{site.url}class")
+        assert page.evaluate("document.querySelector('[data-tick=\\'02_lazy_pirate\\']').checked")
 
 
 @finds_processes
