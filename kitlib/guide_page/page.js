@@ -91,7 +91,7 @@ for (const own of all(".own")) {
     event.preventDefault();
   };
   // A server that runs already is started anew by what is saved, and its client as well.
-  const attempt = async () => { if (await saved() && running?.place !== own) run(own, "try", { lesson, check: false }); };
+  const attempt = async () => await saved() && running?.place !== own && run(own, "try", { lesson, check: false });
   edit.onclick = saved;
   if (check) check.onclick = async () => { if (!text || await saved()) run(own, "try", { lesson, check: true }); };
 }

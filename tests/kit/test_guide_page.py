@@ -3,6 +3,7 @@
 import json
 import re
 import socket
+import time
 from html import unescape
 
 import pytest
@@ -177,10 +178,13 @@ def test_a_closed_tab_and_the_end_of_the_server_end_the_programs(tmp_path, how):
         with socket.create_connection(("127.0.0.1", site.port), LIMIT) as tab, tab.makefile("rw", newline="") as lines:
             lines.write(f"{head}Content-Length: {len(wish)}\r\n\r\n{wish}")
             lines.flush()
-            next(line for line in lines if "listening on" in line)
+            # Then all are silent: no line that cannot be written tells that the tab is closed.
+            next(line for line in lines if "done: 10 replies" in line)
             assert mark.processes().keys() > alone
             if how == "server":
                 site.program.stop()
+        deadline = time.monotonic() + LIMIT
         while how == "tab" and mark.processes().keys() > alone:
-            pass
+            assert time.monotonic() < deadline, mark.processes()
+            time.sleep(0.02)
     assert mark.gone()
