@@ -8,15 +8,15 @@ const make = (kind, more = {}, ...inside) => {
 };
 const base = one("nav").dataset.base;
 async function ask(what, wish, signal) {
-  const answer = await fetch(base + what, { method: "POST", body: JSON.stringify(wish), signal });
+  const gone = () => { throw new Error("the guide has ended: start it again, and open the address that it prints"); };
+  const answer = await fetch(base + what, { method: "POST", body: JSON.stringify(wish), signal }).catch(gone);
   if (!answer.ok) throw new Error(await answer.text());
   return answer;
 }
 
 // ---- One run at a time: its lines as they come, until it ends, or the page or its Stop ends it ----
 
-const GONE = "the guide has ended: start it again by kit.py guide, and open the new address";
-addEventListener("unhandledrejection", event => alert(event.reason instanceof TypeError ? GONE : event.reason.message));
+addEventListener("unhandledrejection", event => alert(event.reason.message));
 let running = null, index = null;
 async function run(place, what, wish) {
   running?.stop.abort();
@@ -33,13 +33,14 @@ async function run(place, what, wish) {
   };
   const hear = news => {
     if (news.begins === "client") column("client").textContent = "";
-    if (news.who) {
+    if (news.who === "kit") verdict.textContent = news.text;
+    else if (news.who) {
       column(news.who).append(`${news.text}\n`);
       column(news.who).scrollTop = column(news.who).scrollHeight;
     }
     if (news.page) output.append(make("iframe", { src: news.page, title: "The messages, as arrows" }));
     if (news.verdict) verdict.textContent = news.verdict;
-    verdict.classList.toggle("good", ["as on the page", "done"].includes(verdict.textContent));
+    if (news.verdict) verdict.classList.add(["as on the page", "done"].includes(news.verdict) ? "good" : "bad");
     if (news.passed) all(`[data-tick="${wish.lesson}"]`).forEach(box => { box.checked = true; });
   };
   try {
@@ -50,8 +51,7 @@ async function run(place, what, wish) {
       lines.map(JSON.parse).forEach(hear);
     }
   } catch (error) {
-    const why = error instanceof TypeError ? GONE : error.message;
-    verdict.textContent = mine.stop.signal.aborted ? "stopped" : why;
+    verdict.textContent = mine.stop.signal.aborted ? "stopped" : error.message;
   }
   button.remove();
   one("iframe", output)?.remove();
@@ -76,7 +76,7 @@ for (const own of all(".own")) {
     if (!text) {
       text = make("textarea", { value: told.text, spellcheck: false, ariaLabel: told.path, onkeydown: type });
       edit.replaceWith(make("button", { textContent: "Save and run", onclick: attempt }));
-      one(".tools", own).after(make("small", {}, told.path), text, make("p", { className: "verdict" }));
+      one(".tools", own).after(make("small", {}, told.path), text, make("p", { className: "verdict bad" }));
       text.setSelectionRange(told.at, told.at);
       text.focus();
     }

@@ -20,7 +20,6 @@ from kitlib.guide_page.diagrams import svg
 from kitlib.lessons import ROOT, find, lessons, read_json
 
 HERE = Path(__file__).parent
-GUIDE = ROOT / "docs" / "guide"
 
 
 def fence(_: Any, tokens: list[Token], at: int, __: Any, env: dict[str, Any]) -> str:
@@ -125,7 +124,7 @@ def side(base: str) -> str:
     rest = {page.stem for page in guide.pages()[1:]}.difference(*groups.values())
     shown = ""
     for group, names in (groups | {"around the lessons": sorted(rest)}).items():
-        links = ((name, re.sub(r"^\w+ (\d+):", r"\1", title(GUIDE / f"{name}.md"))) for name in names)
+        links = ((name, re.sub(r"^\w+ (\d+):", r"\1", title(ROOT / "docs" / "guide" / f"{name}.md"))) for name in names)
         items = "".join(f'<li><a href="{base}docs/guide/{name}.md">{escape(label)}</a></li>' for name, label in links)
         shown += f"<h2>{escape(group)}</h2><ul>{items}</ul>"
     return shown

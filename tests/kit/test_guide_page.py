@@ -16,6 +16,8 @@ from tests.programs import LIMIT, ROOT, Mark, finds_processes, finished
 
 pytest.importorskip("markdown_it")
 pytest.importorskip("pygments")
+# A guide takes a lesson's own port where that is free.
+pytestmark = pytest.mark.xdist_group("guide")
 FIRST = "docs/guide/01_request_reply.md"
 SERVER = ROOT / "python" / "01_request_reply" / "server.py"
 

@@ -13,6 +13,8 @@ from tests.programs import Mark, finds_processes
 
 pytest.importorskip("markdown_it")
 pytest.importorskip("pygments")
+# A guide takes a lesson's own port where that is free.
+pytestmark = pytest.mark.xdist_group("guide")
 FIRST = "docs/guide/01_request_reply.md"
 
 
