@@ -36,7 +36,7 @@ from netmq_example.tap.passing import FAULTS, Faults, Link
 from netmq_example.trouble import Trouble
 
 with importing("aiohttp: pip install aiohttp, or let kit.py run 1 --watch do it"):
-    from netmq_example.tap.page import Page
+    from netmq_example.tap.page import Page, own_origin
 
 ENDPOINT = "tcp://127.0.0.1:5666"
 NUMBERS = itertools.count(1)
@@ -80,6 +80,10 @@ def port_number(text: str) -> int:
     return option(functools.partial(check.count, least=0, most=65535), text, int)
 
 
+def origin(text: str) -> str:
+    return option(own_origin, text, str)
+
+
 def slow_seconds(text: str) -> float:
     if (slow := seconds(text)) >= 60:
         raise argparse.ArgumentTypeError(f"it takes seconds, less than 60, not {text!r:.40}")
@@ -110,7 +114,7 @@ def main() -> None:
     parser.add_argument("--title", default="", help="what stands above the picture")
     parser.add_argument("--slow", type=slow_seconds, default=0, metavar="S", help="each message is S seconds late")
     parser.add_argument("--record", type=file, metavar="FILE", help="an HTML file that shows it all again, at the end")
-    parser.add_argument("--frame", default="", metavar="ORIGIN", help="whose page may show this one in a frame")
+    parser.add_argument("--frame", type=origin, metavar="ORIGIN", help="whose page may show this one in a frame")
     for fault in FAULTS:
         parser.add_argument(f"--{fault}", type=at_least_one, metavar="N", help=f"{fault} message N")
     options = parser.parse_args()
@@ -120,7 +124,7 @@ def main() -> None:
     arrows = Arrows()
     faults = Faults(planned, slow=options.slow)
     title = options.title or " ".join(f"{host}:{port}" for _, (host, port) in options.servers)
-    page = Page(arrows, faults, title, options.frame)
+    page = Page(arrows, faults, title, options.frame or "")
     shown = listen("127.0.0.1", options.page)
     print(f"page at http://127.0.0.1:{shown.getsockname()[1]}/", flush=True)
     # The line that tells others that all is ready comes last.

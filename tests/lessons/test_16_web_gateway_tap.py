@@ -242,6 +242,7 @@ def test_wrong_words_and_a_taken_port_are_named():
             (f"{server} --page 70000", "--page: it takes a whole number from 0 to 65535, not 70000"),
             (f"{server} --slow nan", "--slow: it takes seconds, 0 or more and at most a day, not nan"),
             (f"{server} --slow 60", "--slow: it takes seconds, less than 60, not '60'"),
+            (f"{server} --frame http://evil.example", "--frame: it is an origin of this machine, such as http"),
             (f"{server} --drop 0", "--drop"),
             (f"x={server}", "one server has no name, as in: tap.py tcp://127.0.0.1:5557 snapshots="),
             (f"x-y={server}", "bad name 'x-y': write it like snapshots="),

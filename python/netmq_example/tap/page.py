@@ -41,10 +41,8 @@ class Page:
         self.arrows: Arrows = check.instance("arrows", arrows, Arrows)
         self.faults: Faults = check.instance("faults", faults, Faults)
         self.title: str = check.instance("title", title, str)
-        # Nobody's page, or one origin's, may show this one in a frame.
-        if not re.fullmatch(r"(http://(127\.0\.0\.1|localhost):\d+)?", check.instance("frame", frame, str)):
-            raise ValueError(f"frame is a page of this machine, such as http://127.0.0.1:8000, not {frame!r:.40}")
-        self.frame = frame or "'none'"
+        # Nobody's page, or that of one server here, may show this one in a frame.
+        self.frame = own_origin("frame", frame) if frame else "'none'"
 
     async def serve(self, listener: socket.socket) -> None:
         """Until it is cancelled."""
@@ -111,6 +109,13 @@ class Page:
         text = await asyncio.to_thread(recording, self.arrows, self.title)
         name = {"Content-Disposition": 'attachment; filename="recording.html"'}
         return web.Response(text=text, content_type="text/html", headers=name)
+
+
+def own_origin(name: str, value: str) -> str:
+    """A server of this machine, as a browser names it."""
+    if not re.fullmatch(r"http://(127\.0\.0\.1|localhost):\d{1,5}", check.instance(name, value, str), re.ASCII):
+        raise ValueError(f"{name} is an origin of this machine, such as http://127.0.0.1:8000, not {value!r:.40}")
+    return value
 
 
 @web.middleware
