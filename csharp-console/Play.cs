@@ -26,7 +26,8 @@ namespace NetMQExample.Terminal
 {
     internal static class Play
     {
-        private static readonly TimeSpan Grace = TimeSpan.FromSeconds(10), Goodbye = TimeSpan.FromSeconds(5);
+        private static readonly TimeSpan Grace = TimeSpan.FromSeconds(10), Goodbye = TimeSpan.FromSeconds(5),
+            Frame = TimeSpan.FromSeconds(2);
         private static readonly string Frozen =
             $"a script has held the main thread for {Grace.TotalSeconds} s, in Update or at Stop: "
             + "Unity's editor would be frozen now";
@@ -70,11 +71,18 @@ namespace NetMQExample.Terminal
             arguments.RefuseTheRest();
 
             var stopped = 0;
+            // A main thread that waits for Python, or for ever, hears of no signal.
+            using var late = new Timer(_ =>
+            {
+                Console.Error.WriteLine("stopped");
+                Environment.Exit(1);
+            });
             void Stop(PosixSignalContext signal)
             {
                 // Not the end of the process: the Play ends as with the Stop button.
                 signal.Cancel = true;
                 Interlocked.Exchange(ref stopped, 1);
+                late.Change(Frame, Timeout.InfiniteTimeSpan);
             }
             using var interrupt = PosixSignalRegistration.Create(PosixSignal.SIGINT, Stop);
             using var terminate = PosixSignalRegistration.Create(PosixSignal.SIGTERM, Stop);
@@ -89,6 +97,7 @@ namespace NetMQExample.Terminal
             }
             finally
             {
+                late.Change(Timeout.Infinite, Timeout.Infinite);
                 frozen.Change(Grace, Timeout.InfiniteTimeSpan);
                 player.Stop();
                 // A lesson's leaves none.

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import importlib
 import re
+import signal
 import threading
 
 import pytest
@@ -328,6 +329,12 @@ LOOP, BY_GYMNASIUM = [block.body for block in BLOCKS if block.language == "pytho
 SHOWN = """
 print(name, actions, decision_steps.obs[0].shape)
 """
+THINKS = """
+import threading
+from netmq_example.mlagents_envs.environment import UnityEnvironment
+env = UnityEnvironment(base_port={port})
+threading.Event().wait()
+"""
 
 
 def test_a_project_moves_in_as_the_page_says(tmp_path, start, console, netmq):
@@ -354,6 +361,12 @@ def test_a_project_moves_in_as_the_page_says(tmp_path, start, console, netmq):
     assert "Play ends: Python has closed it" in player.lines and "trouble" not in player.output
     both = finished([PYTHON, ROOT / "kit.py", "play", *files, *words, "--add", "GymManager", "--seconds", "1"])
     assert "such as a GymManager or one with side channels, has the connection" in both.stdout + both.stderr
+    # A Python that thinks does not keep a player that is to end.
+    thinking = start(PYTHON, "-c", THINKS.format(port=port), PYTHONPATH=str(ROOT / "python"))
+    player = start(PYTHON, ROOT / "kit.py", "play", *files, *words)
+    player.wait_for("^simulating Main")
+    assert player.stop(signal.SIGINT) != 0 and "stopped" in player.lines
+    thinking.kill()
 
 
 def test_the_pages_lines_drive_a_moved_scene_by_gymnasium():

@@ -166,10 +166,10 @@ namespace NetMQExample.MLAgents
         {
             if (!requestsDecision || !lives) return;
             Collect();
+            Mask.Clear();
+            if (lives && Spec.NumDiscreteActions > 0) agent.WriteDiscreteActionMask(Mask);
             // It may have left meanwhile.
             if (!lives) return;
-            Mask.Clear();
-            if (Spec.NumDiscreteActions > 0) agent.WriteDiscreteActionMask(Mask);
             Mask.Check();
             ended = false;
             RowReward = Reward;
