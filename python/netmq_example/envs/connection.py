@@ -5,9 +5,9 @@
     answer = connection.ask(Record(ASKS, 0, sections))          to a Record a Record, to a Message a Message; or Lost
 
 Each request has an id that counts. One that stays without an answer is sent again with the same id, and the simulator
-answers a repeated id with what it has kept: so a retry never steps twice. A simulator that is gone is noticed within a
-second, because a ROUTER socket can say that it has no way to a peer. The C# side is EnvironmentClient.cs. It needs only
-pyzmq.
+answers a repeated id with what it has kept: so a retry never steps twice. A simulator that is gone is noticed when
+a request is sent again, because a ROUTER socket can say that it has no way to a peer. The C# side is
+EnvironmentClient.cs. It needs only pyzmq.
 """
 
 import itertools
@@ -25,8 +25,9 @@ from netmq_example.one_process import OneProcess
 from netmq_example.wire import records
 from netmq_example.wire.records import Record
 
-# A request without an answer is sent again after so long.
-RESEND_SECONDS = 1.0
+# A request without an answer is sent again after so long, and then after twice as long each time, up to the other.
+# A simulator that waits for its scene, or is paused, reads none of them: ZeroMQ keeps 64, and hears no heartbeat then.
+RESEND_SECONDS, LONGEST_SECONDS = 1.0, 16.0
 # The answers to requests in words; other kinds of messages are ignored.
 ANSWERS = {"render": "picture", "info": "told", "close": "closed"}
 
@@ -105,13 +106,15 @@ class Connection(OneProcess):
         request.id = self.id
         frames = request.frames()
         end = time.monotonic() + self.timeout
+        pause = RESEND_SECONDS
         while time.monotonic() < end:
             if not self.peer or not self.send(self.peer, frames):
                 why = self.other_side.gone
                 break
-            answer = self.answer(min(end, time.monotonic() + RESEND_SECONDS))
+            answer = self.answer(min(end, time.monotonic() + pause))
             if answer:
                 return checked(request, answer)
+            pause = min(2 * pause, LONGEST_SECONDS)
         else:
             why = f"no answer to {name_of(request)} within {self.timeout:g} s"
         self.peer = b""

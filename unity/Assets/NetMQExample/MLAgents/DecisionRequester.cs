@@ -33,7 +33,7 @@ namespace NetMQExample.MLAgents
 
         /// <summary>Whether to ask for a decision in this step.</summary>
         protected virtual bool ShouldRequestDecision(DecisionRequestContext context) =>
-            context.AcademyStepCount % DecisionPeriod == DecisionStep;
+            DecisionPeriod > 0 && context.AcademyStepCount % DecisionPeriod == DecisionStep;
 
         /// <summary>Whether to act in this step.</summary>
         protected virtual bool ShouldRequestAction(DecisionRequestContext context) => TakeActionsBetweenDecisions;
