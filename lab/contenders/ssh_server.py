@@ -30,7 +30,7 @@ def wait_for(port: int) -> None:
         with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", port)):
             return
         if time.monotonic() > end:
-            sys.exit(f"nobody listens on port {port}")
+            sys.exit(f"nobody listens on port {port}: ssh or sshd has printed why")
         time.sleep(0.05)
 
 

@@ -8,7 +8,7 @@ lines, and never the server.
 
 Ctrl-C is raised as KeyboardInterrupt, but not where that would do harm. Python calls a handler between any two steps of
 the main thread. An exception there while pyzmq makes a socket leaves one that nobody closes, for which the end of its
-context then waits for ever. In a callback of the interpreter's own it is dropped, and the program goes on. In a write
+context then waits for ever. In a callback, and where pyzmq frees a frame, it is dropped, and nothing ends. In a write
 of ours it has the line written twice. So there the signal comes again a moment later.
 """
 
@@ -102,6 +102,9 @@ def log_lines() -> None:
 def listen(*signals: int) -> None:
     """From now on these end the program. In another thread they stay the business of the main one."""
     if threading.current_thread() is threading.main_thread():
+        # Of pytest, or a program of yours, it stays their own.
+        if sys.unraisablehook is sys.__unraisablehook__:
+            sys.unraisablehook = unheard
         for number in signals:
             signal.signal(number, interrupt)
 
@@ -129,8 +132,16 @@ def again(number: int) -> None:
 
 
 def is_dropped(frame: FrameType) -> bool:
-    """Whether nobody would hear of an exception: in a destructor, or where the import system tidies up."""
+    """Whether an exception would be lost, and half of the work left: in a destructor, or where imports are tidied up."""
     return frame.f_code.co_name == "__del__" or frame.f_code.co_qualname.startswith("_get_module_lock")
+
+
+def unheard(told: "sys.UnraisableHookArgs") -> None:
+    """An exception that nobody can catch: pyzmq lets a signal in while it frees a frame."""
+    if told.exc_type is KeyboardInterrupt:
+        later(signal.SIGINT)
+    else:
+        sys.__unraisablehook__(told)
 
 
 def is_within(frame: FrameType | None) -> bool:

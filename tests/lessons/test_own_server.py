@@ -302,6 +302,20 @@ zmq.Context.socket = socket
 serve(str.upper, "tcp://127.0.0.1:0")
 print("the end")
 """,
+    "Ctrl-C where its exception is dropped, as in pyzmq's end of a frame": """
+import signal, threading, weakref
+from netmq_example.console import listen
+listen(signal.SIGINT)
+class Frame:
+    pass
+frame = Frame()
+end = weakref.ref(frame, lambda _: signal.raise_signal(signal.SIGINT))
+try:
+    del frame
+    threading.Event().wait(60)
+except KeyboardInterrupt:
+    print("the end")
+""",
     "threads that are left": """
 import threading
 from netmq_example import BackgroundClient, Server
