@@ -62,7 +62,14 @@ def main() -> None:
     keep_exporter(importlib.import_module("torch"))
     say_what_is_wrong(errors.TrainerConfigError)
     try:
-        learn.main()
+        options = learn.parse_command_line()
+    except (TypeError, ValueError) as error:
+        # A text where the file needs a number, or several simulators without a program for them.
+        raise SystemExit(f"mlagents-learn ended: {error}: look at the file and the options") from None
+    except errors.TrainerConfigError as error:
+        raise SystemExit(f"mlagents-learn ended: {error}") from None
+    try:
+        learn.run_cli(options)
     except (errors.TrainerError, errors.TrainerConfigError, UnityException) as error:
         raise SystemExit(f"mlagents-learn ended: {error}") from None
 

@@ -135,10 +135,14 @@ import multiprocessing, sys, torch
 from mlagents.trainers import exception, settings, trainer_controller, worker
 from mlagents_envs.exception import UnityCommunicatorStoppedException, UnityTimeOutException
 
-def main():
-    print(sys.argv[1:])
-    if "bad" in sys.argv: raise exception.TrainerConfigError("no such trainer")
+def parse_command_line():
+    if "many" in sys.argv: raise ValueError("no number: 'many'")
     if sys.argv[1] in ("broken", "empty"): settings.load_config(sys.argv[1])
+    return sys.argv[1:]
+
+def run_cli(options):
+    print(options)
+    if "bad" in sys.argv: raise exception.TrainerConfigError("no such trainer")
     if "lost" in sys.argv:
         try:
             raise UnityCommunicatorStoppedException("the simulator is lost")
@@ -191,6 +195,7 @@ def test_the_kit_stands_in_the_place_of_mlagents_envs_also_in_a_worker_that_is_s
     ("word", "says"),
     [
         ("bad", "no such trainer"),
+        ("many", "no number: 'many': look at the file and the options"),
         ("late", "no simulator came"),
         ("lost", "the simulator is lost"),
         ("empty", "empty has no settings: write behaviors:, and below it those of each behavior"),

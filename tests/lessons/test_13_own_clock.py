@@ -89,6 +89,9 @@ def test_many_agents_begin_anew_in_each_way(world):
     assert ends(envs.step(actions)) == ([[0, 3], [1, 4]], [1, 2], [True, False])
     # The first has begun by itself, and has had a whole episode since.
     assert ends(envs.step(actions)) == ([[0, 0], [1, 5]], [0, 1], [False, True])
+    envs, _ = world(UnityVectorEnv, Walker("Ball", length=2), Walker("Ball"), num_envs=2)
+    envs.reset()
+    assert [ends(envs.step(actions))[1] for _ in range(3)][1:] == [[1, 1], [0, 1]], "a step that begins has no reward"
     envs, _ = world(UnityVectorEnv, *two(), num_envs=2, autoreset_mode=AutoresetMode.SAME_STEP)
     envs.reset()
     envs.step(actions)

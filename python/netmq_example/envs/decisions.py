@@ -130,7 +130,9 @@ class Team(scene_clock.Behavior):
         """What is now; and with autoreset those that have ended, if there are any."""
         now, ended = [], {}
         for at, (order, row) in enumerate(zip(asked.marks, self.rows, strict=True)):
-            seen = (records.SEEN, row.reward, row.seen) if row.here else (records.ABSENT, 0.0, b"")
+            # Rewards before its first decision belong to no step of an episode.
+            earned = 0.0 if order == records.RESET else row.reward
+            seen = (records.SEEN, earned, row.seen) if row.here else (records.ABSENT, 0.0, b"")
             if order == records.NOTHING:
                 seen = (records.SEEN | records.NEW, 0.0, row.seen) if row.new else (records.NOTHING, 0.0, b"")
             elif order == records.STEP and row.ended:
