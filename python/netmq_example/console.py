@@ -14,6 +14,7 @@ of ours it has the line written twice. So there the signal comes again a moment 
 
 import _thread
 import contextlib
+import functools
 import io
 import logging
 import os
@@ -30,7 +31,7 @@ from typing import Any
 import zmq
 
 PYZMQ = str(Path(zmq.__file__).parent)
-MAKERS = ("socket", "__init__", "__new__")
+MAKERS = ("socket", "__init__", "__new__", "__del__")
 
 
 class Lines(io.FileIO):
@@ -103,37 +104,27 @@ def listen(*signals: int) -> None:
     """From now on these end the program. In another thread they stay the business of the main one."""
     if threading.current_thread() is threading.main_thread():
         # Of pytest, or a program of yours, it stays their own.
-        if sys.unraisablehook is sys.__unraisablehook__:
-            sys.unraisablehook = unheard
+        sys.unraisablehook = unheard if sys.unraisablehook is sys.__unraisablehook__ else sys.unraisablehook
         for number in signals:
             signal.signal(number, interrupt)
 
 
 def interrupt(number: int, frame: FrameType | None) -> None:
     """The handler; `frame` is what it interrupts."""
-    if frame and (is_dropped(frame) or is_within(frame)):
+    if frame and is_within(frame):
         later(number)
     else:
         raise KeyboardInterrupt
 
 
 def later(number: int) -> None:
+    # A signal of the system's ends a wait too. On Windows there is none, and the programs' waits are short.
+    send = _thread.interrupt_main
+    if sys.platform != "win32":
+        send = functools.partial(signal.pthread_kill, threading.main_thread().ident or 0)
     # At the end of the interpreter no thread can be started any more; and the program ends.
     with contextlib.suppress(RuntimeError):
-        threading.Timer(0.01, again, [number]).start()
-
-
-def again(number: int) -> None:
-    # A signal of the system's ends a wait too. On Windows there is none, and the programs' waits are short.
-    if sys.platform == "win32":
-        _thread.interrupt_main(number)
-    else:
-        signal.pthread_kill(threading.main_thread().ident or 0, number)
-
-
-def is_dropped(frame: FrameType) -> bool:
-    """Whether an exception would be lost, and half of the work left: in a destructor, or where imports are tidied up."""
-    return frame.f_code.co_name == "__del__" or frame.f_code.co_qualname.startswith("_get_module_lock")
+        threading.Timer(0.01, send, [number]).start()
 
 
 def unheard(told: "sys.UnraisableHookArgs") -> None:
@@ -144,11 +135,8 @@ def unheard(told: "sys.UnraisableHookArgs") -> None:
         sys.__unraisablehook__(told)
 
 
-def is_within(frame: FrameType | None) -> bool:
-    """Whether pyzmq is making a context or a socket, or a line is being written."""
-    while frame:
-        code = frame.f_code
-        if code is Lines.write.__code__ or (code.co_filename.startswith(PYZMQ) and code.co_name in MAKERS):
-            return True
-        frame = frame.f_back
-    return False
+def is_within(frame: FrameType) -> bool:
+    """Whether pyzmq is making a context or a socket, or ends one, or a line is being written."""
+    codes = [each.f_code for each, _ in traceback.walk_stack(frame)]
+    write = Lines.write.__code__
+    return any(code is write or (code.co_filename.startswith(PYZMQ) and code.co_name in MAKERS) for code in codes)

@@ -130,4 +130,4 @@ def at_eof() -> None:
     except OSError:
         # There is none.
         pass
-    console.again(signal.SIGINT)
+    console.later(signal.SIGINT)

@@ -106,7 +106,9 @@ class Seen:
     def read(self, part: Any, leaf: Any) -> Any:
         if is_picture(leaf):
             return as_picture(np.moveaxis(part, 3, 1) if self.channels_first else part)
-        return part.astype(np.float32, copy=False).reshape(-1, *(leaf.shape or (1,)))
+        if leaf.dtype == np.float32 and leaf.shape:
+            return part
+        return part.astype(np.float32).reshape(-1, *(leaf.shape or (1,)))
 
 
 def is_picture(leaf: Any) -> bool:

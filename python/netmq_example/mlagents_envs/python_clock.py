@@ -57,6 +57,7 @@ class PythonClock:
             self.specs.update({behavior.name: behavior.spec for behavior in self.behaviors})
             self.episodes = Episodes(count, self.limit)
             self.episodes.plant(self.seed % 2**32, np.ones(count, bool))
+            self.seeds = self.episodes.next.tobytes()
         self.scene = scene
         # The agents that are not in the scene, and those that have stepped last; None for none, and for all.
         self.away: Any = None
@@ -69,7 +70,7 @@ class PythonClock:
         self.read(answer, begins=True)
 
     def section(self, behavior: "Behavior", marks: bytes) -> Section:
-        return Section(behavior.kind.at, self.episodes.next[behavior.rows].tobytes(), marks)
+        return Section(behavior.kind.at, self.seeds[8 * behavior.rows.start : 8 * behavior.rows.stop], marks)
 
     def step(self, ask: scene_clock.Ask, actions: Mapping[str, ActionTuple]) -> None:
         """ValueError names an action that is not in its space: nothing has moved then."""
@@ -100,7 +101,8 @@ class PythonClock:
 
     def read(self, answer: Record, begins: bool) -> None:
         turns: dict[str, Sequence[Any]] = {}
-        ends = {one.kind: one for one in answer.sections if one.columns & records.ENDED}
+        # By fewer calls of numpy, which is slow right after a wait.
+        ends = {one.kind: one for one in answer.sections[len(self.behaviors) :] if one.columns & records.ENDED}
         for behavior, section in zip(self.behaviors, answer.sections, strict=False):
             last = ends.get(section.kind)
             turns[behavior.name] = behavior.turn(section, last, begins)
@@ -109,6 +111,9 @@ class PythonClock:
         absent = any(behavior.absent for behavior in self.behaviors)
         self.away = np.concatenate([behavior.away for behavior in self.behaviors]) if absent else None
         self.turns = turns
+        if begins or ends or self.stepping is not None:
+            # Of the episodes that begin next.
+            self.seeds = self.episodes.next.tobytes()
 
 
 class Behavior:
@@ -135,6 +140,7 @@ class Behavior:
         self.rows_seen = observations_of(self.space, kind)
         self.seen = plain.Seen(self.space, sum(self.done.spec.discrete_branches), channels_first)
         self.spec = BehaviorSpec(self.seen.specs, self.done.spec)
+        self.none_ended = TerminalSteps.empty(self.spec)
 
     def batch(self, action: ActionTuple | None) -> Any:
         """Actions of all rows, as Gymnasium batches them. Without them it is zeros, or what is nearest to them."""
@@ -148,10 +154,9 @@ class Behavior:
     def turn(self, section: Section, last: Section | None, begins: bool) -> tuple[DecisionSteps, TerminalSteps]:
         over = {*last.whose()} if last else NOBODY
         self.rows_seen.take(section, range(self.count) if begins else over)
-        # By fewer calls of numpy, which is slow right after a wait.
         left, came = ([], []) if section.marks == self.marks else self.changed(section.marks)
         left = [] if begins else [row for row in left if row not in over]
-        ended = self.ended(section, last, left) if last or left else TerminalSteps.empty(self.spec)
+        ended = self.ended(section, last, left) if last or left else self.none_ended
         # Another one in its place has an id of its own.
         for row in came:
             self.ids[row] = next(self.new_ids)
@@ -175,6 +180,8 @@ class Behavior:
         """In ML-Agents True is forbidden, in Gymnasium 0."""
         branches = self.done.spec.discrete_branches
         size = sum(branches)
+        if not (self.seen.masked or section.table):
+            return [*scene_clock.all_allowed(len(self.ids[self.here]), branches)]
         block = np.zeros((self.count, size), bool)
         if self.seen.masked:
             block = batch[MASK].reshape(-1, size) == 0

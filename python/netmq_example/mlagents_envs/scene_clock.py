@@ -4,6 +4,7 @@ A clock decides when an agent has its turn: environment.py steps by this one, or
 behavior. wire/records.py has the columns. It needs numpy.
 """
 
+import functools
 import itertools
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -110,6 +111,7 @@ class Behavior:
         self.turned = [not channels_first and spec.dimension_property == PICTURE for spec in specs]
         specs = [channels_last(spec) if turned else spec for spec, turned in zip(specs, self.turned, strict=True)]
         self.spec = base_env.BehaviorSpec(specs, base_env.ActionSpec(floats, branches))
+        self.nobody = DecisionSteps.empty(self.spec), TerminalSteps.empty(self.spec)
 
     def written(self, action: ActionTuple) -> bytes:
         rows = np.empty(len(action.continuous), self.action)
@@ -118,7 +120,7 @@ class Behavior:
         return rows.tobytes()
 
     def begin(self) -> None:
-        self.turn: list[Any] = [DecisionSteps.empty(self.spec), TerminalSteps.empty(self.spec)]
+        self.turn: list[Any] = [*self.nobody]
 
     def take(self, section: Section) -> None:
         count = len(section.marks)
@@ -138,12 +140,13 @@ class Behavior:
 
     def masks(self, section: Section) -> list[Any] | None:
         count, choices = len(section.marks), self.choices
-        block = np.zeros((count, choices), bool)
-        if section.columns & records.MASKS:
-            if len(section.masks) != count * choices:
-                raise bad(f"masks of {self.name!a:.80} have {choices} choices")
-            block = np.frombuffer(section.masks, np.uint8).reshape(count, choices) > 0
-        return branches_of(block, self.spec.action_spec.discrete_branches) if choices else None
+        branches = self.spec.action_spec.discrete_branches
+        if not section.columns & records.MASKS:
+            return [*all_allowed(count, branches)] if choices else None
+        if len(section.masks) != count * choices:
+            raise bad(f"masks of {self.name!a:.80} have {choices} choices")
+        block = np.frombuffer(section.masks, np.uint8).reshape(count, choices) > 0
+        return branches_of(block, branches) if choices else None
 
     def seen(self, section: Section) -> list[Any]:
         if len(section.values) != len(section.marks) * self.row.itemsize:
@@ -166,9 +169,22 @@ def sensor(described: Any) -> base_env.ObservationSpec:
     return base_env.ObservationSpec(shape, properties, kind, str(described["name"]))
 
 
+def frozen(array: Any) -> Any:
+    array.flags.writeable = False
+    return array
+
+
+# Each step has these, and numpy is slow right after a wait.
+@functools.cache
 def no_groups(count: int) -> tuple[Any, Any]:
     """Groups, and their rewards."""
-    return np.zeros(count, np.int32), np.zeros(count, np.float32)
+    return frozen(np.zeros(count, np.int32)), frozen(np.zeros(count, np.float32))
+
+
+@functools.cache
+def all_allowed(count: int, branches: tuple[int, ...]) -> list[Any]:
+    """The masks of so many agents, where nothing is masked."""
+    return branches_of(frozen(np.zeros((count, sum(branches)), bool)), branches)
 
 
 def branches_of(block: Any, branches: tuple[int, ...]) -> list[Any]:
