@@ -20,35 +20,43 @@ addEventListener("unhandledrejection", event => alert(event.reason.message));
 let running = null, index = null;
 async function run(place, what, wish) {
   running?.stop.abort();
-  const mine = running = { place, stop: new AbortController() };
+  const mine = running = { place, check: wish.check, stop: new AbortController() };
   const columns = make("div", { className: "columns" }), verdict = make("p", { className: "verdict", role: "status" });
   const button = make("button", { textContent: "Stop", onclick: () => mine.stop.abort() });
-  const output = make("div", { className: "output" }, button, columns, verdict), seen = {};
+  const output = make("div", { className: "output" }, button, verdict, columns), seen = {}, lines = {};
   one(".output", place)?.remove();
-  place.append(output);
+  one(".tools", place).after(output);
   const column = who => {
     const put = who === "server" ? "prepend" : "append";
     if (!seen[who]) columns[put](make("div", {}, make("b", {}, who), seen[who] = make("pre")));
-    return seen[who];
+    return lines[who] ??= [];
   };
   const hear = news => {
-    if (news.begins === "client") column("client").textContent = "";
+    if (news.begins === "client") column("client").length = 0;
     if (news.who === "kit") verdict.textContent = news.text;
-    else if (news.who) {
-      column(news.who).append(`${news.text}\n`);
-      column(news.who).scrollTop = column(news.who).scrollHeight;
-    }
+    else if (news.who) column(news.who).push(news.text);
     if (news.page) output.append(make("iframe", { src: news.page, title: "The messages, as arrows" }));
     if (news.verdict) verdict.textContent = news.verdict;
     if (news.verdict) verdict.classList.add(["as on the page", "done"].includes(news.verdict) ? "good" : "bad");
     if (news.passed) all(`[data-tick="${wish.lesson}"]`).forEach(box => { box.checked = true; });
   };
+  // However much has come, there is one layout of it.
+  const show = () => {
+    for (const [who, each] of Object.entries(lines)) {
+      if (each.length > 500) each.splice(0, each.length - 499, "... earlier lines left out");
+      seen[who].textContent = each.join("\n");
+      seen[who].scrollTop = seen[who].scrollHeight;
+    }
+  };
   try {
     const reader = (await ask(what, wish, mine.stop.signal)).body.pipeThrough(new TextDecoderStream()).getReader();
     for (let rest = "", part = await reader.read(); !part.done; part = await reader.read()) {
-      const lines = (rest + part.value).split("\n");
-      rest = lines.pop();
-      lines.map(JSON.parse).forEach(hear);
+      const told = (rest + part.value).split("\n");
+      rest = told.pop();
+      told.map(JSON.parse).forEach(hear);
+      show();
+      // Stop and the page's own work come in between.
+      await new Promise(go => setTimeout(go, 20));
     }
   } catch (error) {
     verdict.textContent = mine.stop.signal.aborted ? "stopped" : error.message;
@@ -72,15 +80,17 @@ for (const own of all(".own")) {
   let text = null;
   // The first time there is nothing to save yet.
   const saved = async () => {
+    all(".verdict", own).forEach(each => { each.textContent = ""; });
     const told = await (await ask("edit", { lesson, text: text?.value })).json();
     if (!text) {
-      text = make("textarea", { value: told.text, spellcheck: false, ariaLabel: told.path, onkeydown: type });
+      text = make("textarea", { defaultValue: told.text, spellcheck: false, ariaLabel: told.path, onkeydown: type });
       edit.replaceWith(make("button", { textContent: "Save and run", onclick: attempt }));
-      one(".tools", own).after(make("small", {}, told.path), text, make("p", { className: "verdict bad" }));
+      one(".tools", own).after(make("p", { className: "mistake verdict bad" }), make("small", {}, told.path), text);
       text.setSelectionRange(told.at, told.at);
       text.focus();
     }
-    one(".verdict", own).textContent = told.error;
+    text.defaultValue = told.text;
+    one(".mistake", own).textContent = told.error;
     return !told.error;
   };
   const type = event => {
@@ -91,10 +101,13 @@ for (const own of all(".own")) {
     event.preventDefault();
   };
   // A server that runs already is started anew by what is saved, and its client as well.
-  const attempt = async () => await saved() && running?.place !== own && run(own, "try", { lesson, check: false });
+  const attempt = async () => await saved() && (running?.place !== own || running.check) && run(own, "try", { lesson, check: false });
   edit.onclick = saved;
   if (check) check.onclick = async () => { if (!text || await saved()) run(own, "try", { lesson, check: true }); };
 }
+addEventListener("beforeunload", event => {
+  if (all(".own textarea").some(text => text.value !== text.defaultValue)) event.preventDefault();
+});
 for (const link of all("main a[href^=http]")) link.target = "_blank";
 for (const box of all("[data-tick]"))
   box.onchange = () => ask("tick", { lesson: box.dataset.tick, done: box.checked });

@@ -140,7 +140,11 @@ def page(path: Path, base: str, name: str) -> str:
         body = "".join(f'<p><a href="{base}{heading}/{name}">{name}</a></p>' for name in names)
     else:
         text = path.read_text(encoding="utf-8")
-        find = {".py": guide.python_lines, ".cs": guide.csharp_lines}.get(path.suffix) if name else None
+        find = (
+            {".py": guide.python_lines, ".cs": guide.csharp_lines}.get(path.suffix)
+            if re.fullmatch(r"[\w. ]+", name)
+            else None
+        )
         marked = [line + 1 for line in (find and find(text, name)) or ()]
         lexer = (find_lexer_class_for_filename(path.name) or TextLexer)(stripnl=False)
         body = highlight(text, lexer, HtmlFormatter(linenos="inline", hl_lines=marked, cssclass="code"))
@@ -152,7 +156,9 @@ def class_list(folder: Path, base: str) -> str:
     done, rows = read_json(folder / answers.TICKS), ""
     for key in answers.exercises():
         tick = f'<input type="checkbox" aria-label="done" data-tick="{key}"{" checked" * (key in done)}>'
-        rows += f"<tr><td>{tick}</td><td>{key[:2]}</td><td>{editor(key)}</td></tr>"
+        # The texts stand in a page of docs/guide.
+        own = re.sub(r'href="(?!\w+:)', f'href="{base}docs/guide/', editor(key))
+        rows += f"<tr><td>{tick}</td><td>{key[:2]}</td><td>{own}</td></tr>"
     about = f"<h1>Class list</h1><p>It is kept in {escape(str(folder / answers.TICKS))}.</p><table>{rows}</table>"
     return whole("Class list", about, base)
 

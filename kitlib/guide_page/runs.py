@@ -5,10 +5,12 @@ import shlex
 import socket
 import sys
 import threading
+import time
+from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from queue import Empty, SimpleQueue
+from queue import Empty, Queue
 from subprocess import DEVNULL, PIPE, STDOUT, Popen
 from typing import Any
 
@@ -25,7 +27,11 @@ FIELD = re.compile(r"(--(?!client)[\w-]+) ([\w.][\w./|-]*|'[^']*')")
 VALUE = re.compile(r"[\w ./|:+-]{1,80}")
 # A terminal is the place for servers that other machines reach, for folders, and for two commands in a line.
 ELSEWHERE = re.compile(r"--folder|--open-to-anyone|tcp://(?!127\.0\.0\.1\b)| ; ")
-Tell = Callable[[dict[str, Any]], None]
+Send = Callable[[list[dict[str, Any]]], None]
+# A program may print in an endless loop. The page gets the first lines and the last of what comes in so many seconds.
+SLICE, ENDS = 0.1, 100
+# Bounds of what waits to be read and of what a verdict sees, in lines, and of a line, in bytes.
+MOST_WAITING, MOST_LINES, LONGEST_LINE = 10_000, 20_000, 4000
 # The client has ended, and the page of messages is still there.
 STAYS = f"kit    | {run.STAYS}"
 
@@ -92,39 +98,68 @@ def arranged(words: list[str], origin: str, folder: Path | None) -> list[str]:
 class Play:
     """Runs steps until the last one has ended or nobody listens any more; a server goes on beside the next step."""
 
-    def __init__(self, steps: list[list[str]], folder: Path, tell: Tell, done: Callable[["Play"], None]) -> None:
+    def __init__(self, steps: list[list[str]], folder: Path, send: Send, done: Callable[["Play"], None]) -> None:
         """`done` is called when the last step has ended, but not where that is a server."""
-        self.steps, self.folder, self.tell, self.done = steps, folder, tell, done
-        self.news: SimpleQueue[tuple[int, Popen[bytes], str | None]] = SimpleQueue()
+        self.steps, self.folder, self.send, self.done = steps, folder, send, done
+        self.news: Queue[tuple[int, Popen[bytes], str | None]] = Queue(MOST_WAITING)
+        self.batch: list[dict[str, Any]] = []
         self.running: dict[int, Popen[bytes]] = {}
-        # All lines so far, and the exit code of the newest step that has ended.
-        self.lines: list[str] = []
+        # The newest lines, and the exit code of the newest step that has ended.
+        self.lines: deque[str] = deque(maxlen=MOST_LINES)
         self.code = 0
+        # Where a reader's own server listens.
+        self.place: list[str] = []
 
     def all(self, listens: Callable[[], bool]) -> None:
         over = False
         try:
             self.begin(0)
             while listens() and not over:
-                with suppress(Empty):
-                    number, process, line = self.news.get(timeout=0.1)
-                    # A client that was ended for a new one may have lines left.
-                    over = self.running[number] is process and self.hear(number, line)
+                over = self.collect()
+                self.flush()
         finally:
             for process in reversed(self.running.values()):
                 end(process)
+            # A thread that waits for room ends as well.
+            with suppress(Empty):
+                while self.news.get(timeout=SLICE):
+                    pass
 
-    def begin(self, number: int, *more: str) -> None:
+    def collect(self) -> bool:
+        """Hear what comes within the next moment. True at the end of all."""
+        until, over = time.monotonic() + SLICE, False
+        with suppress(Empty):
+            while not over and (left := until - time.monotonic()) > 0:
+                number, process, line = self.news.get(timeout=left)
+                # A client that was ended for a new one may have lines left.
+                over = self.running[number] is process and self.hear(number, line)
+        return over
+
+    def tell(self, news: dict[str, Any]) -> None:
+        self.batch.append(news)
+
+    def flush(self) -> None:
+        """Send what there is to tell; where a program has printed too much, without the middle of it."""
+        batch, self.batch = self.batch, []
+        for who in {each.get("who", "") for each in batch}:
+            middle = [each for each in batch if who and each.get("who") == who][ENDS:-ENDS]
+            for each in middle:
+                each.clear()
+            if middle:
+                middle[0].update(who=who, text=f"... {len(middle)} lines left out")
+        self.send([each for each in batch if each])
+
+    def begin(self, number: int) -> None:
         """Start a step, again if need be."""
         if number in self.running:
             end(self.running[number])
         self.tell({"begins": self.steps[number][0]})
-        words = [sys.executable, str(ROOT / "kit.py"), *self.steps[number], *more]
+        words = [sys.executable, str(ROOT / "kit.py"), *self.steps[number], *(self.place if number else [])]
         process = self.running[number] = spawn(words, self.folder, stdin=DEVNULL, stdout=PIPE, stderr=STDOUT)
         threading.Thread(target=self.read, args=(number, process), daemon=True).start()
 
     def read(self, number: int, process: Popen[bytes]) -> None:
-        for line in process.stdout or ():
+        while line := process.stdout.readline(LONGEST_LINE) if process.stdout else b"":
             self.news.put((number, process, line.decode("utf-8", "replace").rstrip("\r\n")))
         self.news.put((number, process, None))
 
@@ -138,7 +173,8 @@ class Play:
         if words[0] == "server":
             if not last and (ready := re.match(r"listening on (\S+)", line or "")):
                 # A reader's own server may listen elsewhere, and is started anew when it is saved.
-                self.begin(number + 1, *(["--endpoint", ready[1]] if words[1].endswith(".py") else []))
+                self.place = ["--endpoint", ready[1]] if words[1].endswith(".py") else []
+                self.begin(number + 1)
             return line is None
         if line is None and not last:
             self.begin(number + 1)

@@ -6,6 +6,7 @@ page of a stranger's does not know it, and would be refused by its Origin, or by
 
 import hmac
 import json
+import re
 import secrets
 import select
 import signal
@@ -29,7 +30,6 @@ from kitlib.terminal import say
 HTML, PLAIN, JSON = "text/html; charset=utf-8", "text/plain; charset=utf-8", "application/json"
 TYPES = {".svg": "image/svg+xml", ".png": "image/png", ".gif": "image/gif"}
 TYPES |= {".css": "text/css", ".js": "text/javascript"}
-MOST_BYTES = 1_000_000
 HEADERS = {
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:;"
     " connect-src 'self'; frame-src http://127.0.0.1:*; frame-ancestors 'none'; base-uri 'none'; form-action 'none'",
@@ -107,13 +107,18 @@ class Handler(BaseHTTPRequestHandler):
     def do_POST(self) -> None:
         does = {"run": self.run, "try": self.attempt, "edit": self.edit, "tick": self.tick}
         action = does.get(self.path.removeprefix(self.server.base))
-        size = int(self.headers.get("Content-Length") or 0)
-        if (why := self.refusal()) or not action or size > MOST_BYTES:
-            return self.answer(PLAIN, why or "the guide does nothing of that", 403)
+        # Less than a megabyte.
+        size = re.fullmatch(r"[0-9]{1,6}", self.headers.get("Content-Length", ""))
+        if (why := self.refusal()) or not action or not size:
+            return self.answer(PLAIN, why or "the guide does nothing of that: load the page anew", 403)
         try:
-            action(json.loads(self.rfile.read(size)))
+            action(json.loads(self.rfile.read(int(size[0]))))
         except (KitError, OSError) as error:
             self.answer(PLAIN, str(error), 400)
+        except UnicodeError as error:
+            self.answer(PLAIN, f"this is not UTF-8 ({error}): save it as UTF-8 in your editor", 400)
+        except (ValueError, LookupError, TypeError, AttributeError) as error:
+            self.answer(PLAIN, f"the guide does not understand the page ({error}): load it anew", 400)
         return None
 
     def edit(self, wish: dict[str, Any]) -> None:
@@ -138,7 +143,13 @@ class Handler(BaseHTTPRequestHandler):
             raise KitError("this page has no such command: load it anew")
         origin = f"http://{self.headers['Host']}" if wish["watch"] or "--watch" in steps[0] else ""
         arranged = [runs.arranged(words, origin, self.server.leave) for words in steps]
-        self.play(arranged, ROOT, lambda play: play.tell({"verdict": runs.verdict(page, steps[-1], play.lines)}))
+
+        def done(play: runs.Play) -> None:
+            cut = len(play.lines) == runs.MOST_LINES
+            said = "too many lines to compare" if cut else runs.verdict(page, steps[-1], list(play.lines))
+            play.tell({"verdict": said})
+
+        self.play(arranged, ROOT, done)
 
     def attempt(self, wish: dict[str, Any]) -> None:
         """The reader's own server and a client; or, to check an exercise, the client that this takes."""
@@ -148,17 +159,17 @@ class Handler(BaseHTTPRequestHandler):
         client = ["client", lesson.key, "--client", "python", "--folder", str(path.parent)]
 
         def done(play: runs.Play) -> None:
-            if check and check.passed(play.code, play.lines):
+            if check and (missing := check.missing(play.code, play.lines)):
+                play.tell({"verdict": missing})
+            elif check:
                 answers.tick(folder, lesson.key, "checked")
                 play.tell({"verdict": "done", "passed": True})
-            elif check:
-                play.tell({"verdict": "not yet"})
 
-        self.play([server, [*client, *(check.check if check else [])]], path.parent, done)
+        self.play([server, *([*client, *each] for each in (check.check if check else [[]]))], path.parent, done)
 
     def play(self, steps: list[list[str]], folder: Path, done: Callable[[runs.Play], None]) -> None:
-        def tell(news: dict[str, Any]) -> None:
-            self.wfile.write(f"{json.dumps(news)}\n".encode())
+        def send(news: list[dict[str, Any]]) -> None:
+            self.wfile.write("".join(f"{json.dumps(each)}\n" for each in news).encode())
 
         def listens() -> bool:
             # The browser sends nothing more: what can be read is the end of the connection, by Stop or a closed tab.
@@ -168,7 +179,7 @@ class Handler(BaseHTTPRequestHandler):
         # A page that is busy may read slowly.
         self.connection.settimeout(10)
         self.answer("application/x-ndjson", None)
-        runs.Play(steps, folder, tell, done).all(listens)
+        runs.Play(steps, folder, send, done).all(listens)
 
 
 def serve(folder: Path, leave: Path | None) -> int:
