@@ -102,7 +102,9 @@ def csharp_lines(text: str, name: str) -> range | None:
     """
     lines = text.splitlines()
     attribute = r"\[[^\]]*\]\s*"
-    declares = re.compile(rf"^\s*({attribute})*(public|private|internal|protected)\b(?! abstract)[^=;(]*\b{name}\b")
+    declares = re.compile(
+        rf"^\s*({attribute})*(public|private|internal|protected)\b(?! abstract)[^=;(]*\b{re.escape(name)}\b"
+    )
     found = [i for i, line in enumerate(lines) if declares.match(line)]
     if not found:
         return None

@@ -43,7 +43,8 @@ class Exercise:
                 wanted = [f"two balances, {less[0]}"]
         if code or wanted or any("error" in line for line in said):
             wish = f"wanted {' and '.join(wanted)}" if wanted else "wanted no error"
-            return f"not yet: {wish}; came: {' / '.join(line for line in said if not re.match('asking |done: ', line))[-400:]}"
+            came = " / ".join(line for line in said if not re.match("asking |done: ", line))
+            return f"not yet: {wish}; came: {came[-400:]}"
         return ""
 
 

@@ -140,11 +140,7 @@ def page(path: Path, base: str, name: str) -> str:
         body = "".join(f'<p><a href="{base}{heading}/{name}">{name}</a></p>' for name in names)
     else:
         text = path.read_text(encoding="utf-8")
-        find = (
-            {".py": guide.python_lines, ".cs": guide.csharp_lines}.get(path.suffix)
-            if re.fullmatch(r"[\w. ]+", name)
-            else None
-        )
+        find = {".py": guide.python_lines, ".cs": guide.csharp_lines}.get(path.suffix) if name else None
         marked = [line + 1 for line in (find and find(text, name)) or ()]
         lexer = (find_lexer_class_for_filename(path.name) or TextLexer)(stripnl=False)
         body = highlight(text, lexer, HtmlFormatter(linenos="inline", hl_lines=marked, cssclass="code"))

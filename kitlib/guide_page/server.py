@@ -143,13 +143,7 @@ class Handler(BaseHTTPRequestHandler):
             raise KitError("this page has no such command: load it anew")
         origin = f"http://{self.headers['Host']}" if wish["watch"] or "--watch" in steps[0] else ""
         arranged = [runs.arranged(words, origin, self.server.leave) for words in steps]
-
-        def done(play: runs.Play) -> None:
-            cut = len(play.lines) == runs.MOST_LINES
-            said = "too many lines to compare" if cut else runs.verdict(page, steps[-1], list(play.lines))
-            play.tell({"verdict": said})
-
-        self.play(arranged, ROOT, done)
+        self.play(arranged, ROOT, lambda play: play.tell({"verdict": runs.verdict(page, steps[-1], play.lines)}))
 
     def attempt(self, wish: dict[str, Any]) -> None:
         """The reader's own server and a client; or, to check an exercise, the client that this takes."""

@@ -44,7 +44,7 @@ def test_a_lesson_without_a_terminal(tmp_path, open_page):
         page.wait_for("document.querySelector('.own .output')?.innerText.includes('sent add 1, received 7')")
         page.evaluate("""(() => { const text = document.querySelector('textarea');
             text.value = text.value.replace('return "7"', 'return str(-5 * next(numbers))')
-                .replace('def answer', 'numbers = itertools.count(1)\n\n\ndef answer'); })()""")
+                .replace('def answer', 'numbers = itertools.count(1)\\n\\n\\ndef answer'); })()""")
         page.click(".own button")
         page.wait_for("document.querySelector('.own .output').innerText.includes('sent add 1, received -5')")
         page.click("[data-do=check]")
