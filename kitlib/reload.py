@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from kitlib.programs import end, spawn
+from kitlib.programs import GOODBYE, end, spawn
 from kitlib.terminal import say
 
 # Seconds between two looks at the files.
@@ -33,7 +33,8 @@ def run_reloading(command: Sequence[str], folders: Sequence[Path]) -> int:
         return 130
     finally:
         if process:
-            end(process)
+            # It has a group of its own, and would go on if who ends us lost patience first.
+            end(process, GOODBYE / 2)
 
 
 def wait_for_reason(folders: Sequence[Path], seen: Files, process: subprocess.Popen[bytes]) -> str:
