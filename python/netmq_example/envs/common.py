@@ -18,6 +18,11 @@ OTHERS = {
 class OtherSide:
     """The words for it in what an environment reports. A socket that leads to more than one simulator has its own."""
 
+    # A request without an answer is sent again, at first after a second, and at most so many seconds after the last
+    # time. A simulator that waits for its scene, or is paused, reads none of them: ZeroMQ keeps 64, and hears no
+    # heartbeat then.
+    longest_pause = 16.0
+
     # While an environment waits, and once it has waited in vain.
     how_to_start = ": press Play"
     state = "is it running?"

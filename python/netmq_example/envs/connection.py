@@ -25,9 +25,8 @@ from netmq_example.one_process import OneProcess
 from netmq_example.wire import records
 from netmq_example.wire.records import Record
 
-# A request without an answer is sent again after so long, and then after twice as long each time, up to the other.
-# A simulator that waits for its scene, or is paused, reads none of them: ZeroMQ keeps 64, and hears no heartbeat then.
-RESEND_SECONDS, LONGEST_SECONDS = 1.0, 16.0
+# A request without an answer is sent again after so long, and then after twice as long each time, up to longest_pause.
+RESEND_SECONDS = 1.0
 # The answers to requests in words; other kinds of messages are ignored.
 ANSWERS = {"render": "picture", "info": "told", "close": "closed"}
 
@@ -114,7 +113,7 @@ class Connection(OneProcess):
             answer = self.answer(min(end, time.monotonic() + pause))
             if answer:
                 return checked(request, answer)
-            pause = min(2 * pause, LONGEST_SECONDS)
+            pause = min(2 * pause, self.other_side.longest_pause)
         else:
             why = f"no answer to {name_of(request)} within {self.timeout:g} s"
         self.peer = b""

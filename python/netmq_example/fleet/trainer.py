@@ -39,6 +39,8 @@ class FleetSocket(OneProcess, OtherSide):
 
     how_to_start = ""
     gone = "the hub is gone"
+    # The hub reads each of them.
+    longest_pause = 1.0
 
     def __init__(self, endpoint: str, name: str, areas: int, *, prepare: Callable[[Any], object] | None = None) -> None:
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5567")
