@@ -45,7 +45,6 @@ namespace UnityEditor
         }
 
         internal static void SayQuitting() => quitting?.Invoke();
-
         internal static void Say(PlayModeStateChange state) => playModeStateChanged?.Invoke(state);
     }
 }

@@ -46,7 +46,6 @@ namespace UnityEngine
         }
 
         public static bool LoadImage(this Texture2D tex, byte[] data, bool markNonReadable) => tex.LoadImage(data);
-
         private static bool IsJpeg(byte[] data) => data.Length > 1 && data[0] == 0xff && data[1] == 0xd8;
 
         // On any thread.

@@ -142,7 +142,6 @@ namespace UnityEngine
             }
 
             public static ArgumentException Wrong() => new ArgumentException("JSON parse error: Invalid value.");
-
             private string Next() => tokens.TryDequeue(out var token) ? token : throw Wrong();
 
             private object Value()

@@ -17,10 +17,8 @@ namespace NetMQExample
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each reply")] private float timeout = 2.5f;
         [SerializeField, Tooltip("With each reply")] private Arrival<string> replied = new();
 
-        /// <summary>With each reply's text, for scripts.</summary>
         public event Action<string> Replied { add => replied.Raised += value; remove => replied.Raised -= value; }
 
-        /// <inheritdoc/>
         protected override void Talk(CancellationToken stop)
         {
             Log($"asking {endpoint}");

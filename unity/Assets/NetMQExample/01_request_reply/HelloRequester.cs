@@ -101,10 +101,8 @@ namespace NetMQExample
             throw NetMQConnection.NoReply(endpoint, limit);
         }
 
-        /// <inheritdoc/>
         public override string ToString() => $"HelloRequester {endpoint}";
 
-        /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose()
         {
             disposed = true;

@@ -19,10 +19,8 @@ namespace NetMQExample
         [SerializeField, Min(1), Tooltip("How often to send a request before giving up")] private int tries = 5;
         [SerializeField, Tooltip("With each reply")] private Arrival<string> replied = new();
 
-        /// <summary>With each reply's text, for scripts.</summary>
         public event Action<string> Replied { add => replied.Raised += value; remove => replied.Raised -= value; }
 
-        /// <inheritdoc/>
         protected override void Talk(CancellationToken stop)
         {
             Log($"asking {endpoint}");

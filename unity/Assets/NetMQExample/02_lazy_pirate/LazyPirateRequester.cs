@@ -90,10 +90,7 @@ namespace NetMQExample
             }
         }
 
-        /// <inheritdoc/>
         public override string ToString() => $"LazyPirateRequester {endpoint}";
-
-        /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose() => connection.Dispose();
 
         // One try, with the frames that came back, if any.

@@ -24,7 +24,6 @@ namespace NetMQExample
         /// <summary>With each pose that a frame finds, for scripts: of several between two frames the newest.</summary>
         public event System.Action<Pose> Moved { add => moved.Raised += value; remove => moved.Raised -= value; }
 
-        /// <inheritdoc/>
         protected override void Update()
         {
             base.Update();
@@ -34,7 +33,6 @@ namespace NetMQExample
             moved.Raise(pose);
         }
 
-        /// <inheritdoc/>
         protected override void Talk(CancellationToken stop)
         {
             Log($"listening to '{topic}' from {endpoint}");

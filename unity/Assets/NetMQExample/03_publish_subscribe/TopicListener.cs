@@ -101,12 +101,8 @@ namespace NetMQExample
             return Text(newest);
         }
 
-        /// <inheritdoc/>
         public override string ToString() => $"TopicListener {endpoint}";
-
-        /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose() => connection.Dispose();
-
         private static string Text(List<byte[]> frames) => string.Join(" ", frames.ConvertAll(NetMQConnection.Text));
 
         private bool TryReceive(TimeSpan wait, out List<byte[]> frames)

@@ -79,7 +79,6 @@ namespace NetMQExample
         /// <summary>State and LastError of one moment. This and what follows can be read at any time.</summary>
         public (ClientState State, string LastError) Status { get { lock (gate) return status; } }
 
-        /// <summary>What is known about the server.</summary>
         public ClientState State => Status.State;
 
         /// <summary>Why the last try or request that had no reply had none, also after others that had one; or an
@@ -89,9 +88,7 @@ namespace NetMQExample
         /// <summary>How long the last reply took to come, with all its tries, or zero.</summary>
         public TimeSpan RoundTripTime { get { lock (gate) return roundTrip; } }
 
-        /// <summary>How many requests were answered.</summary>
         public int Replies { get { lock (gate) return replies; } }
-
         private bool Stopped => stop.IsCancellationRequested;
 
         /// <summary>Sends a request, and has one of the two callbacks run once in a later <see cref="Poll"/>.</summary>
@@ -117,7 +114,6 @@ namespace NetMQExample
             return true;
         }
 
-        /// <inheritdoc/>
         public override string ToString() => $"BackgroundClient {endpoint}: {State}";
 
         /// <summary>Runs the callbacks of what has ended. Call it in Update. If a callback throws, the exception comes

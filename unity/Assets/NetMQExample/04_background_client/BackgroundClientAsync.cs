@@ -11,7 +11,6 @@ namespace NetMQExample
     public static class BackgroundClientAsync
     {
         /// <summary>Sends a request. Its task ends inside Poll, and what awaits it goes on there.</summary>
-        /// <param name="client">The client.</param>
         /// <param name="text">The request, sent as UTF-8.</param>
         /// <param name="cancel">Ends the wait at once. The server may do the request all the same.</param>
         /// <returns>The reply's text.</returns>

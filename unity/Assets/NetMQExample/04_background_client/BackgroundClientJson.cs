@@ -30,7 +30,6 @@ namespace NetMQExample
         };
 
         /// <summary>Sends a state, and has one of the two callbacks run once in a later Poll.</summary>
-        /// <param name="client">The client.</param>
         /// <param name="state">Its public fields and properties are sent, as JSON of at most 65,536 bytes.</param>
         /// <param name="reply">Gets what the server has answered.</param>
         /// <param name="error">Gets the reason why there is no such answer: also a text that begins with

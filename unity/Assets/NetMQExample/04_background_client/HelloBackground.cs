@@ -24,20 +24,16 @@ namespace NetMQExample
         private int asked, replies;
         private bool done;
 
-        /// <summary>With each reply's text, for scripts.</summary>
         public event Action<string> Replied { add => replied.Raised += value; remove => replied.Raised -= value; }
 
         /// <summary>For those who want to know how it goes, such as HelloWorldHud.</summary>
         public BackgroundClient Client { get; private set; }
 
-        /// <inheritdoc/>
         public override bool Done => done || !enabled;
 
-        /// <inheritdoc/>
         public override string State => Client == null || !enabled ? base.State : FormattableString.Invariant(
             $"{Client.State}, round trip {Client.RoundTripTime.TotalMilliseconds:F1} ms");
 
-        /// <inheritdoc/>
         protected override void Begin()
         {
             asked = 0;
@@ -48,7 +44,6 @@ namespace NetMQExample
             Debug.Log($"asking {endpoint}");
         }
 
-        /// <inheritdoc/>
         protected override void End() => Client?.Dispose();
 
         private void Update()

@@ -117,7 +117,6 @@ namespace NetMQExample
             while (!stop.IsCancellationRequested && !disposed);
         }
 
-        /// <inheritdoc/>
         public override string ToString() => $"Server {Endpoint}";
 
         /// <summary>Closes the socket, with what it has not sent yet, then leaves NetMQ. <c>answer</c> may call it.

@@ -22,10 +22,8 @@ namespace NetMQExample
         [SerializeField, Tooltip("With each reply, in the order in which they come")]
         private Arrival<string> replied = new();
 
-        /// <summary>With each reply's text, for scripts.</summary>
         public event Action<string> Replied { add => replied.Raised += value; remove => replied.Raised -= value; }
 
-        /// <inheritdoc/>
         protected override void Talk(CancellationToken stop)
         {
             Log($"asking {endpoint}, {window} in flight");

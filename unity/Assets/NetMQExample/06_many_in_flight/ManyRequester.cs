@@ -127,10 +127,7 @@ namespace NetMQExample
             }
         }
 
-        /// <inheritdoc/>
         public override string ToString() => $"ManyRequester {endpoint}";
-
-        /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose() => connection.Dispose();
 
         /// <summary>The replies that are there. If the caller has all before, the first one is waited for.</summary>

@@ -27,7 +27,6 @@ namespace NetMQExample
         /// <summary>With each pose that a frame finds, for scripts: of several between two frames the newest.</summary>
         public event Action<Pose> Moved { add => moved.Raised += value; remove => moved.Raised -= value; }
 
-        /// <inheritdoc/>
         protected override void Update()
         {
             base.Update();
@@ -38,7 +37,6 @@ namespace NetMQExample
             moved.Raise(pose);
         }
 
-        /// <inheritdoc/>
         protected override void Talk(CancellationToken stop)
         {
             var time = System.Diagnostics.Stopwatch.StartNew();

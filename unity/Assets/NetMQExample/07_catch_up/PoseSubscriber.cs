@@ -39,14 +39,10 @@ namespace NetMQExample
         /// <summary>Counts the poses of a run, from 1.</summary>
         public long Number { get; }
 
-        /// <summary>The place.</summary>
         public Vector3 Position { get; }
-
-        /// <summary>The direction.</summary>
         public Quaternion Rotation { get; }
 
         /// <summary>Reads a message; null if it is no pose, since anybody can publish on a port.</summary>
-        /// <param name="message">The message.</param>
         /// <returns>What it says.</returns>
         public static PoseMessage Parse(string message) =>
             Regex.IsMatch(message, Shape) ? new PoseMessage(message.Split(' ')) : null;
@@ -88,7 +84,6 @@ namespace NetMQExample
             this.report($"following {endpoint}, snapshots from {this.snapshots}");
         }
 
-        /// <summary>The newest pose.</summary>
         public PoseMessage Pose { get; private set; } = PoseMessage.None;
 
         /// <summary>The publisher's checksum right after it sent <see cref="Pose"/>.</summary>
@@ -129,10 +124,7 @@ namespace NetMQExample
             return false;
         }
 
-        /// <inheritdoc/>
         public override string ToString() => $"PoseSubscriber {endpoint}";
-
-        /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose() => stream.Dispose();
 
         /// <summary>Takes over the publisher's state from a snapshot, and says which poses that skips.</summary>

@@ -52,7 +52,6 @@ namespace NetMQExample
             }
         }
 
-        /// <summary>How many ticks one of its steps takes.</summary>
         public int StepPeriod
         {
             get => stepPeriod;
@@ -65,10 +64,7 @@ namespace NetMQExample
 
         AgentState IAgent.AgentState => Own;
 
-        /// <inheritdoc/>
         public virtual GymSpace Observation => plain?.Observation;
-
-        /// <inheritdoc/>
         public virtual GymSpace Action => plain?.Action;
 
         /// <summary>How many numbers the option "state" has, in which an episode can begin.</summary>
@@ -77,7 +73,6 @@ namespace NetMQExample
         /// <summary>The random numbers of this episode, which Python's seed decides.</summary>
         protected RandomGenerator Rng => Own.Rng;
 
-        /// <summary>The options that Python gave to reset.</summary>
         protected IReadOnlyDictionary<string, object> Options => Own.Options;
 
         /// <summary>The option "state": <see cref="StateSize"/> numbers, or none.</summary>
@@ -86,7 +81,6 @@ namespace NetMQExample
         /// <summary>Named infos of this step, for Python.</summary>
         public IDictionary<string, object> Info => Own.Info;
 
-        /// <summary>Seconds of one of its steps.</summary>
         protected double Dt => Own.Dt;
 
         // Made also for the only agent: what is wrong with its members is said when it comes.
@@ -103,32 +97,19 @@ namespace NetMQExample
             }
         }
 
-        /// <inheritdoc/>
         public virtual void OnReset() => plain?.OnReset();
 
-        /// <inheritdoc/>
         public virtual void OnAction(SpaceReader action)
         {
             if (plain == null) OnAction(action.Value);
             else plain.OnAction(action);
         }
 
-        /// <inheritdoc/>
         public virtual void OnAction(object action) => plain?.OnAction(action);
-
-        /// <inheritdoc/>
         public virtual void OnTick(double dt) => plain?.OnTick(dt);
-
-        /// <inheritdoc/>
         public virtual void OnStepped() => plain?.OnStepped();
-
-        /// <inheritdoc/>
         public virtual void Observe(SpaceWriter seen) => plain?.Observe(seen);
-
-        /// <inheritdoc/>
         public virtual void OnInfo(object info) => plain?.OnInfo(info);
-
-        /// <inheritdoc/>
         public virtual MessageArray Render() => plain?.Render();
 
         /// <summary>The action of a person who plays by hand, from Input: numbers (double[]), or any value of its

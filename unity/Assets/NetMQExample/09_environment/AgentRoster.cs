@@ -54,13 +54,11 @@ namespace NetMQExample
         /// <summary>The seed of the first agent, as of the last time when all have begun.</summary>
         public long Seed { get; set; }
 
-        /// <summary>Whether an episode has begun at all.</summary>
         public bool Started { get; set; }
 
         /// <summary>Whether a scene has been loaded in this exchange, or just before it.</summary>
         public bool Loaded { get; set; }
 
-        /// <summary>Decides the names.</summary>
         public void Name()
         {
             Kinds.Clear();

@@ -187,7 +187,6 @@ namespace NetMQExample
         private string[] keys = new string[0], forms = new string[0];
         private string whole;
 
-        /// <summary>From now on these.</summary>
         public void Set(string agent, IEnumerable<Source> all)
         {
             var own = all.Select(source => (Source: source, Text: source.For(agent)))

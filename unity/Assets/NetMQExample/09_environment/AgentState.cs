@@ -54,7 +54,6 @@ namespace NetMQExample
         /// <summary>How many numbers the option "state" has, in which an episode can begin.</summary>
         public int StateSize { get; set; }
 
-        /// <summary>Where its relative locators begin.</summary>
         public Locator Scope { get; private set; }
 
         /// <summary>The members that it sees with, and perhaps others.</summary>
@@ -63,7 +62,6 @@ namespace NetMQExample
         /// <summary>The random numbers of this episode, which Python's seed decides.</summary>
         public RandomGenerator Rng { get; private set; } = new RandomGenerator(0);
 
-        /// <summary>The options that Python gave to reset.</summary>
         public IReadOnlyDictionary<string, object> Options { get; private set; } = new Dictionary<string, object>();
 
         /// <summary>The option "state", if there is one.</summary>
@@ -72,7 +70,6 @@ namespace NetMQExample
         /// <summary>Named infos of this step, for Python.</summary>
         public IDictionary<string, object> Info => info;
 
-        /// <summary>Seconds of one of its steps.</summary>
         public double Dt => Tick * Period;
 
         /// <summary>A source whose locator is read here, once.</summary>
@@ -102,7 +99,6 @@ namespace NetMQExample
         internal string Given { get; private set; }
 
         internal AgentRow Row { get; set; }
-
         internal double Tick { get; set; }
 
         // Since the last answer.

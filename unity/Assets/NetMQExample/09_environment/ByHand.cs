@@ -24,7 +24,6 @@ namespace NetMQExample
 
         public void Begin() => Debug.Log("by hand: Heuristic plays, without Python; each episode's return follows");
 
-        /// <summary>Goes on by the clock.</summary>
         public void Tick(double seconds)
         {
             since += seconds;

@@ -30,16 +30,12 @@ namespace NetMQExample
         /// <summary>From upright, to the right, in radians.</summary>
         public double Angle { get; private set; }
 
-        /// <inheritdoc/>
         protected override int StateSize => 4;
 
-        /// <inheritdoc/>
         public override GymSpace Observation { get; } = GymSpace.Box(Array.ConvertAll(Most, most => -most), Most);
 
-        /// <inheritdoc/>
         public override GymSpace Action { get; } = GymSpace.Discrete(2);
 
-        /// <inheritdoc/>
         public override void OnReset()
         {
             double low = Option("low", -0.05), high = Option("high", 0.05);
@@ -49,10 +45,8 @@ namespace NetMQExample
             push = 0;
         }
 
-        /// <inheritdoc/>
         public override void OnAction(SpaceReader action) => push = action[0] == 1 ? Force : -Force;
 
-        /// <inheritdoc/>
         public override void OnTick(double dt)
         {
             double sine = Math.Sin(Angle), cosine = Math.Cos(Angle);
@@ -66,17 +60,14 @@ namespace NetMQExample
             turning += dt * around;
         }
 
-        /// <inheritdoc/>
         public override void OnStepped()
         {
             AddReward(1);
             if (Math.Abs(Place) > Track || Math.Abs(Angle) > Fall) Terminate();
         }
 
-        /// <inheritdoc/>
         public override void Observe(SpaceWriter seen) => seen.Add(Place, speed, Angle, turning);
 
-        /// <inheritdoc/>
         public override MessageArray Render()
         {
             var pixels = new byte[Height * Width * 3];

@@ -15,10 +15,8 @@ namespace NetMQExample
         private CartPole world;
         private Transform cart, pole;
 
-        /// <inheritdoc/>
         protected override PlainAgent MakePlain(string name) => world = new CartPole(name);
 
-        /// <inheritdoc/>
         public override object Heuristic() =>
             // There is no third way: whoever does not push to the right pushes to the left.
             ArrowKeys.Horizontal > 0 ? 1L : 0L;

@@ -12,7 +12,6 @@ namespace NetMQExample
         /// <summary>The file is not copied.</summary>
         public EncodedImage(byte[] file) => File = Require.Given("file", file);
 
-        /// <summary>All of its bytes.</summary>
         public byte[] File { get; }
     }
 }

@@ -94,10 +94,8 @@ namespace NetMQExample
             return false;
         }
 
-        /// <inheritdoc/>
         public override string ToString() => $"EnvironmentClient {endpoint}";
 
-        /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose()
         {
             // A second Close would throw.

@@ -48,9 +48,7 @@ namespace NetMQExample
         public void Write(uint number) => Count += BitConverter.TryWriteBytes(GetSpan(4), number) ? 4 : 0;
 
         public void Write(float number) => Count += BitConverter.TryWriteBytes(GetSpan(4), number) ? 4 : 0;
-
         public void Write(long number) => Count += BitConverter.TryWriteBytes(GetSpan(8), number) ? 8 : 0;
-
         public void Write(double number) => Count += BitConverter.TryWriteBytes(GetSpan(8), number) ? 8 : 0;
 
         public void Write(byte number)

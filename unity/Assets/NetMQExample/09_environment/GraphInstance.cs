@@ -13,16 +13,12 @@ namespace NetMQExample
             EdgeLinks = edgeLinks;
         }
 
-        /// <summary>An item for each node.</summary>
         public object Nodes { get; set; }
-
-        /// <summary>An item for each edge.</summary>
         public object Edges { get; set; }
 
         /// <summary>For each edge the numbers of two nodes, counted from 0: int32 [edges, 2].</summary>
         public object EdgeLinks { get; set; }
 
-        /// <inheritdoc/>
         public override string ToString() =>
             $"nodes {Nodes ?? "none"}; edges {Edges ?? "none"}; links {EdgeLinks ?? "none"}";
     }

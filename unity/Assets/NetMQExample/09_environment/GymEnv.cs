@@ -38,10 +38,7 @@ namespace NetMQExample
             else Simulator.Find(agent).AgentState.SendInfo(info);
         }
 
-        /// <summary>Adds to an agent's reward.</summary>
         public static void AddReward(string agent, double reward) => Simulator.Find(agent).AgentState.AddReward(reward);
-
-        /// <summary>Replaces an agent's reward.</summary>
         public static void SetReward(string agent, double reward) => Simulator.Find(agent).AgentState.SetReward(reward);
 
         /// <summary>The episode is over for one agent; without a name for all.</summary>

@@ -44,25 +44,13 @@ namespace NetMQExample
         /// <summary>The agents that take part: they may come and go.</summary>
         protected virtual IReadOnlyList<IAgent> Agents => Agent.All;
 
-        /// <inheritdoc/>
         protected override string Endpoint => endpoint;
-
-        /// <inheritdoc/>
         protected override bool Connects => played == null;
 
-        /// <inheritdoc/>
         protected override SimulatorBase MakeSimulator() => Simulator;
-
-        /// <inheritdoc/>
         public virtual void OnReset(RandomGenerator random, IReadOnlyDictionary<string, object> options) { }
-
-        /// <inheritdoc/>
         public virtual void OnTick(double dt) { }
-
-        /// <inheritdoc/>
         public virtual void OnStepped() { }
-
-        /// <inheritdoc/>
         public virtual MessageArray Render() => null;
 
         /// <inheritdoc cref="SceneSimulator.SendInfo"/>
@@ -71,7 +59,6 @@ namespace NetMQExample
         /// <summary>The action of a person who plays an agent by hand.</summary>
         protected virtual object Heuristic(IAgent agent) => (agent as Agent)?.Heuristic();
 
-        /// <inheritdoc/>
         protected override void Begin()
         {
             Current = this;
@@ -105,10 +92,8 @@ namespace NetMQExample
         /// <summary>A connection begins; a scene that is loaded while Python steps goes on with the last.</summary>
         protected virtual void Enter() => base.Begin();
 
-        /// <summary>The connection ends.</summary>
         protected virtual void Leave() => base.OnDisable();
 
-        /// <inheritdoc/>
         protected override void OnDisable()
         {
             if (Current == this) Current = null;
@@ -149,7 +134,6 @@ namespace NetMQExample
     [Serializable]
     public struct NameCount
     {
-        /// <summary>Their Agent Name.</summary>
         public string name;
 
         /// <summary>At most so many at once.</summary>

@@ -41,7 +41,6 @@ namespace NetMQExample
         /// <summary>Its name in Python: box, discrete, dict and so on.</summary>
         public string Kind { get; }
 
-        /// <summary>Its description in a hello.</summary>
         public IReadOnlyList<object> Description => description;
 
         /// <summary>How many bytes it always has; -1 where that varies.</summary>
@@ -102,7 +101,6 @@ namespace NetMQExample
             new MessageArray("uint8", new byte[height * width * 3], height, width, 3),
             new MessageArray("uint8", Enumerable.Repeat((byte)255, height * width * 3).ToArray(), height, width, 3));
 
-        /// <summary>Each is 0 or 1.</summary>
         public static GymSpace MultiBinary(params int[] shape) => new GymSpace("multi_binary",
             $"MultiBinary({Shown(shape)})", shape.Select(length => (object)(long)length).ToList())
         { Numbers = new SpaceNumbers("int8", shape, Filled(0, shape), Filled(1, shape)) };
@@ -126,7 +124,6 @@ namespace NetMQExample
                 (long)shortest, (long)longest, Require.Given("characters", characters))
             { Shortest = shortest, Longest = longest, Characters = characters };
 
-        /// <summary>Parts that have names.</summary>
         public static GymSpace Dict(params (string Key, GymSpace Space)[] parts) => new GymSpace("dict",
             $"Dict({string.Join(", ", parts.Select(part => $"'{part.Key}': {part.Space}"))})",
             parts.Select(part => (object)new List<object> { part.Key, part.Space.description }).ToList())
@@ -135,7 +132,6 @@ namespace NetMQExample
             Parts = Array.ConvertAll(parts, part => part.Space),
         };
 
-        /// <summary>Parts that have numbers.</summary>
         public static GymSpace Tuple(params GymSpace[] parts) => Of("tuple", "Tuple", parts);
 
         /// <summary>Any number of things of one space; stacked, they are one array with one dimension more.</summary>
@@ -149,10 +145,7 @@ namespace NetMQExample
                 edges?.description)
             { Parts = edges == null ? new[] { nodes } : new[] { nodes, edges } };
 
-        /// <summary>Something of one of these.</summary>
         public static GymSpace OneOf(params GymSpace[] parts) => Of("one_of", "OneOf", parts);
-
-        /// <summary>As people read it.</summary>
         public override string ToString() => text;
 
         private int Sum(Func<GymSpace, int> of) =>

@@ -17,9 +17,7 @@ namespace NetMQExample
         public bool Quick { get; set; }
 
         public bool Stepped { get; set; }
-
         public bool Launched { get; set; }
-
         public SimulatorBase Simulator { get; set; }
 
         /// <summary>Has it done, and waits for that. For the network thread.</summary>

@@ -18,7 +18,6 @@ namespace NetMQExample
         /// <summary>The space of what it does; null: Python says that.</summary>
         GymSpace Action { get; }
 
-        /// <summary>An episode begins.</summary>
         void OnReset();
 
         /// <summary>An action in <see cref="Action"/>: <c>action[0]</c> is its first number. The next one comes in the

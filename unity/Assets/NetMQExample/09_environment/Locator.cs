@@ -19,7 +19,6 @@ namespace NetMQExample
     /// <summary>What is wrong with a locator, in one line that says where.</summary>
     public sealed class LocatorException : ArgumentException
     {
-        /// <summary>With the column, which counts characters from 1.</summary>
         public LocatorException(int column, string text) : base($"column {column}: {text}") { }
     }
 
@@ -65,7 +64,6 @@ namespace NetMQExample
         internal static string Quoted(string name) => "'" + Unseen.Replace(name, match =>
             match.Value == "\\" || match.Value == "'" ? "\\" + match.Value : $"\\u{(int)match.Value[0]:x4}") + "'";
 
-        /// <summary>The canonical text.</summary>
         public override string ToString()
         {
             var agents = string.Concat(Agents.Select(agent => Quoted(agent) + "@"));
@@ -109,7 +107,6 @@ namespace NetMQExample
             text = string.Join(" & ", Mappings);
         }
 
-        /// <summary>The places.</summary>
         public IReadOnlyList<LocatorMapping> Mappings { get; }
 
         /// <summary>Whether it says whose observation is meant; else it cannot be written anywhere.</summary>
@@ -159,7 +156,6 @@ namespace NetMQExample
             return new LocatorMapping(everyone, agents, root, destination, source);
         }
 
-        /// <summary>The canonical text.</summary>
         public override string ToString() => text;
     }
 }

@@ -46,7 +46,6 @@ namespace NetMQExample
         public LocatorReader(string text) => this.text = text;
 
         public int At => at;
-
         public bool AtEnd => at == text.Length;
 
         /// <summary>Goes past this sign, if it stands next, after blanks. With what is expected, it must.</summary>

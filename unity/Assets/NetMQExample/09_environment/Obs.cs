@@ -41,19 +41,15 @@ namespace NetMQExample
         /// <summary>Without a dtype, such as float32, it is that of the member.</summary>
         public BoxAttribute(string locator = "", string dtype = "") : base(locator) => this.dtype = dtype;
 
-        /// <inheritdoc/>
         public override object Read(object value) => BoxOf.Value(value, dtype);
-
         internal override string Write(object value, FrameBuffer to) => Plain.WriteBox(value, dtype, to);
     }
 
     /// <summary>A whole number.</summary>
     public sealed class DiscreteAttribute : ObsAttribute
     {
-        /// <inheritdoc/>
         public DiscreteAttribute(string locator = "") : base(locator) { }
 
-        /// <inheritdoc/>
         public override object Read(object value) => Observed.Of(value) switch
         {
             long whole => whole,
@@ -69,42 +65,33 @@ namespace NetMQExample
     /// <summary>Text: whatever it is, as people read it.</summary>
     public sealed class TextAttribute : ObsAttribute
     {
-        /// <inheritdoc/>
         public TextAttribute(string locator = "") : base(locator) { }
 
-        /// <inheritdoc/>
         public override object Read(object value) => FormattableString.Invariant($"{value}");
-
         internal override string Write(object value, FrameBuffer to) => value is string ? Plain.Write(value, to) : null;
     }
 
     /// <summary>A dictionary with keys of text.</summary>
     public sealed class DictAttribute : ObsAttribute
     {
-        /// <inheritdoc/>
         public DictAttribute(string locator = "") : base(locator) { }
 
-        /// <inheritdoc/>
         public override object Read(object value) => Observed.Dict(value);
     }
 
     /// <summary>Items for a Tuple or a Sequence, each of its own kind.</summary>
     public sealed class ListAttribute : ObsAttribute
     {
-        /// <inheritdoc/>
         public ListAttribute(string locator = "") : base(locator) { }
 
-        /// <inheritdoc/>
         public override object Read(object value) => Observed.List(value);
     }
 
     /// <summary>A GraphInstance.</summary>
     public sealed class GraphAttribute : ObsAttribute
     {
-        /// <inheritdoc/>
         public GraphAttribute(string locator = "") : base(locator) { }
 
-        /// <inheritdoc/>
         public override object Read(object value) => Observed.Of(value) as GraphInstance
             ?? throw new MessageException("no-space", $"{value?.GetType().Name ?? "null"} is no GraphInstance");
     }
@@ -115,7 +102,6 @@ namespace NetMQExample
     {
         private static readonly string[] Singles = Rows("float32"), Doubles = Rows("float64"), Ints = Rows("int32");
 
-        /// <summary>A value of [Obs].</summary>
         public static string Write(object value, FrameBuffer to)
         {
             value = Observed.Engine(value);
@@ -126,7 +112,6 @@ namespace NetMQExample
             return MessageTree.AddSimple(to, value);
         }
 
-        /// <summary>A value of [Discrete].</summary>
         public static string WriteWhole(object value, FrameBuffer to)
         {
             switch (value)
@@ -140,7 +125,6 @@ namespace NetMQExample
             return "\"int64\"";
         }
 
-        /// <summary>A value of [Box].</summary>
         public static string WriteBox(object value, string dtype, FrameBuffer to)
         {
             switch (Observed.Engine(value))

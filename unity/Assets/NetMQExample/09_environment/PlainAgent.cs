@@ -18,16 +18,9 @@ namespace NetMQExample
             this.period = period;
         }
 
-        /// <inheritdoc/>
         public AgentState AgentState => state ??= new AgentState(name, this, period) { StateSize = StateSize };
-
-        /// <summary>Its name in Python.</summary>
         public string Name => AgentState.Name;
-
-        /// <inheritdoc/>
         public virtual GymSpace Observation => null;
-
-        /// <inheritdoc/>
         public virtual GymSpace Action => null;
 
         /// <summary>How many numbers the option "state" has, in which an episode can begin.</summary>
@@ -36,7 +29,6 @@ namespace NetMQExample
         /// <summary>The random numbers of this episode, which Python's seed decides.</summary>
         protected RandomGenerator Rng => AgentState.Rng;
 
-        /// <summary>The options that Python gave to reset.</summary>
         protected IReadOnlyDictionary<string, object> Options => AgentState.Options;
 
         /// <summary>The option "state": <see cref="StateSize"/> numbers, or none.</summary>
@@ -45,7 +37,6 @@ namespace NetMQExample
         /// <summary>Named infos of this step, for Python.</summary>
         public IDictionary<string, object> Info => AgentState.Info;
 
-        /// <summary>Seconds of one of its steps.</summary>
         protected double Dt => AgentState.Dt;
 
         /// <summary>Adds to the reward that goes with the next answer.</summary>
@@ -63,28 +54,13 @@ namespace NetMQExample
         /// <summary>Tells Python something, with the next answer.</summary>
         public void SendInfo(object info) => AgentState.SendInfo(info);
 
-        /// <inheritdoc/>
         public virtual void OnReset() { }
-
-        /// <inheritdoc/>
         public virtual void OnAction(SpaceReader action) => OnAction(action.Value);
-
-        /// <inheritdoc/>
         public virtual void OnAction(object action) { }
-
-        /// <inheritdoc/>
         public virtual void OnTick(double dt) { }
-
-        /// <inheritdoc/>
         public virtual void OnStepped() { }
-
-        /// <inheritdoc/>
         public virtual void Observe(SpaceWriter seen) { }
-
-        /// <inheritdoc/>
         public virtual void OnInfo(object info) { }
-
-        /// <inheritdoc/>
         public virtual MessageArray Render() => null;
     }
 }

@@ -38,11 +38,8 @@ namespace NetMQExample
     /// <summary>The order to one agent.</summary>
     public enum Order : byte
     {
-        /// <summary>It has no part in this.</summary>
         Nothing,
-        /// <summary>An action.</summary>
         Step,
-        /// <summary>A new episode.</summary>
         Reset,
         /// <summary>An action, after which its time is up.</summary>
         Last,
@@ -144,10 +141,8 @@ namespace NetMQExample
             if (at != bytes.Length) throw Bad($"it has {bytes.Length} bytes in place of {at}");
         }
 
-        /// <summary>Whether any agent has this order.</summary>
         public bool Has(Order order) => (orders & 1 << (int)order) != 0;
 
-        /// <summary>Whether any agent steps.</summary>
         public bool Steps => Has(Order.Step) || Has(Order.Last);
 
         // Mono has no indexer of a ReadOnlySpan.
@@ -178,7 +173,6 @@ namespace NetMQExample
         public ReadOnlyMemory<byte> Form { get; private set; }
 
         public Order OrderOf(int row) => (Order)StepRequest.ByteOf(frame.Span.Slice(begin + 8 * Count + row));
-
         public long Seed(int row) => BitConverter.ToInt64(frame.Span.Slice(begin + 8 * row));
 
         /// <summary>Its action; nothing for one that does not step.</summary>
@@ -243,7 +237,6 @@ namespace NetMQExample
         }
 
         private bool Acts(int row) => OrderOf(row) == Order.Step || OrderOf(row) == Order.Last;
-
         private static MessageException Early() => StepRequest.Bad("it ends too early");
     }
 }

@@ -33,13 +33,11 @@ namespace NetMQExample
         /// <summary>The number of a point of the road.</summary>
         protected override int StateSize => 1;
 
-        /// <inheritdoc/>
         public override GymSpace Observation { get; }
 
         /// <summary>Steer, from -1, left, to 1, right; and throttle above 0, brake below.</summary>
         public override GymSpace Action { get; } = GymSpace.Box(new double[] { -1, -1 }, new double[] { 1, 1 });
 
-        /// <inheritdoc/>
         public override void OnReset()
         {
             var at = FirstState.Length > 0 ? FirstState[0] : Math.Floor(Rng.Next() * road.Points.Length);
@@ -49,10 +47,8 @@ namespace NetMQExample
             (steer, pedal, metres) = (0, 0, 0);
         }
 
-        /// <inheritdoc/>
         public override void OnAction(SpaceReader action) => (steer, pedal) = (action[0], action[1]);
 
-        /// <inheritdoc/>
         public override void OnTick(double dt)
         {
             car.Step(Math.Max(0, pedal), Math.Max(0, -pedal), steer);
@@ -62,14 +58,12 @@ namespace NetMQExample
             AddReward(progress);
         }
 
-        /// <inheritdoc/>
         public override void OnStepped()
         {
             Info["metres"] = metres;
             if (road.Nearest(car.X, car.Y).Distance > Road.HalfWidth) Terminate();
         }
 
-        /// <inheritdoc/>
         public override void Observe(SpaceWriter seen)
         {
             if (seesPictures)
@@ -87,7 +81,6 @@ namespace NetMQExample
                 .Add(car.Speed / 20, farX * toY - farY * toX);
         }
 
-        /// <inheritdoc/>
         public override MessageArray Render()
         {
             var drawn = new byte[DrawnCamera.Size];

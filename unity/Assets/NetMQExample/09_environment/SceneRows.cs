@@ -123,7 +123,6 @@ namespace NetMQExample
             answer.EndSection();
         }
 
-        /// <summary>What is now.</summary>
         public void See(AgentKind kind, StepAnswer answer)
         {
             answer.BeginSection(kind.Place, kind.Rows.Count, Columns.None);

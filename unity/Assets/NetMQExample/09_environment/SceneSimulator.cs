@@ -48,7 +48,6 @@ namespace NetMQExample
             rows = new SceneRows(roster);
         }
 
-        /// <inheritdoc/>
         public override string Name { get; }
 
         /// <summary>By name, how many agents there may be, where these are more than at the hello.</summary>
@@ -76,7 +75,6 @@ namespace NetMQExample
         internal bool Loading { get; private set; }
 
         internal AgentRoster Roster => roster;
-
         internal SceneSteps Moves => steps;
 
         // The scene of those who heard is left.
@@ -104,7 +102,6 @@ namespace NetMQExample
             if (real.On && !Waiting) Inside(() => Steps += CatchUpTo(0));
         }
 
-        /// <inheritdoc/>
         public override Message Describe()
         {
             roster.Name();
@@ -126,7 +123,6 @@ namespace NetMQExample
             };
         }
 
-        /// <inheritdoc/>
         public override Message Say(Message request)
         {
             if (request.Kind == "render")
@@ -142,7 +138,6 @@ namespace NetMQExample
             return new Message("told", request.Id);
         }
 
-        /// <inheritdoc/>
         public override bool Do(StepRequest request, StepAnswer answer, bool again)
         {
             AgentState.Inside = true;

@@ -14,13 +14,8 @@ namespace NetMQExample
         /// <summary>Called with each mistake in the simulation. Python hears of it as well, in one line.</summary>
         public Action<Exception> Mistake { get; set; } = e => Console.Error.WriteLine(e);
 
-        /// <summary>How many episodes were begun.</summary>
         public int Episodes { get; protected set; }
-
-        /// <summary>How many steps were done.</summary>
         public int Steps { get; protected set; }
-
-        /// <summary>The simulated world.</summary>
         public abstract string Name { get; }
 
         /// <summary>The last answer, where it was in words; else null, and it is in <see cref="Frame"/>.</summary>
@@ -117,19 +112,13 @@ namespace NetMQExample
     {
         private readonly SimulatorBase simulator;
 
-        /// <summary>Wraps a simulator.</summary>
         protected SimulatorDecorator(SimulatorBase simulator) => this.simulator = Require.Given("simulator", simulator);
 
-        /// <inheritdoc/>
         public override string Name => simulator.Name;
 
-        /// <inheritdoc/>
         public override Message Describe() => simulator.Describe();
-
-        /// <inheritdoc/>
         public override Message Say(Message request) => simulator.Say(request);
 
-        /// <inheritdoc/>
         public override bool Do(StepRequest request, StepAnswer answer, bool again)
         {
             var done = simulator.Do(request, answer, again);

@@ -10,7 +10,6 @@ namespace NetMQExample
     {
         private readonly Func<Locator> place;
 
-        /// <summary>With its locator already put where it belongs.</summary>
         public Source(string name, Locator locator, Func<object> read)
             : this(name, Always(Require.Given("locator", locator)), read) { }
 
@@ -32,7 +31,6 @@ namespace NetMQExample
         /// <summary>Where it goes; it names agents.</summary>
         public Locator Locator { get; private set; }
 
-        /// <summary>Its value now.</summary>
         public Func<object> Read { get; }
 
         // Writes its value as it stands in a message: takes the form of the value before, and returns that of this one.

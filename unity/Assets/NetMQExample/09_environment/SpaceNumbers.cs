@@ -32,15 +32,10 @@ namespace NetMQExample
         }
 
         public string Dtype { get; }
-
         public int[] Shape { get; }
-
         public int Count => low.Length;
-
         public int ItemSize { get; }
-
         public int Size => Count * ItemSize;
-
         public bool IsSingle => Shape.Length == 0;
 
         /// <summary>Reads a row into the numbers from a place on; false: it is not in the space.</summary>

@@ -13,7 +13,6 @@ namespace NetMQExample
         private ReadOnlyMemory<byte> row;
         private object value;
 
-        /// <summary>Of this space.</summary>
         public SpaceReader(GymSpace space)
         {
             this.space = Require.Given("space", space);

@@ -20,7 +20,6 @@ namespace NetMQExample
         private int part, filled, began;
         private bool whole;
 
-        /// <summary>For a space.</summary>
         public SpaceWriter(GymSpace space)
         {
             this.space = Require.Given("space", space);
@@ -40,28 +39,18 @@ namespace NetMQExample
             return this;
         }
 
-        /// <summary>The next two numbers.</summary>
         public SpaceWriter Add(double one, double two) => Add(one).Add(two);
-
-        /// <summary>The next three numbers.</summary>
         public SpaceWriter Add(double one, double two, double three) => Add(one).Add(two).Add(three);
 
-        /// <summary>The next four numbers.</summary>
         public SpaceWriter Add(double one, double two, double three, double four) =>
             Add(one, two).Add(three, four);
 
 #if UNITY_5_3_OR_NEWER
-        /// <summary>x and y.</summary>
         public SpaceWriter Add(UnityEngine.Vector2 value) => Add(value.x, value.y);
-
-        /// <summary>x, y and z.</summary>
         public SpaceWriter Add(UnityEngine.Vector3 value) => Add(value.x, value.y, value.z);
-
-        /// <summary>x, y, z and w.</summary>
         public SpaceWriter Add(UnityEngine.Quaternion value) => Add(value.x, value.y, value.z, value.w);
 
 #endif
-        /// <summary>The next numbers.</summary>
         public SpaceWriter Add(params double[] numbers)
         {
             foreach (var number in numbers) Add(number);

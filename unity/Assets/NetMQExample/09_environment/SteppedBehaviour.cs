@@ -41,7 +41,6 @@ namespace NetMQExample
         /// <summary>The simulator that answers for this scene. Called on the network thread.</summary>
         protected abstract SimulatorBase MakeSimulator();
 
-        /// <inheritdoc/>
         protected override void Begin()
         {
             if (Users.Count == 0) modeBefore = Physics.simulationMode;
@@ -64,7 +63,6 @@ namespace NetMQExample
             return true;
         }
 
-        /// <inheritdoc/>
         protected override void OnDisable()
         {
             if (Connects) base.OnDisable();
@@ -72,7 +70,6 @@ namespace NetMQExample
             if (Users.Remove(this) && Users.Count == 0) Physics.simulationMode = modeBefore;
         }
 
-        /// <inheritdoc/>
         protected override void Talk(CancellationToken stop)
         {
             var words = Environment.GetCommandLineArgs();
@@ -98,7 +95,6 @@ namespace NetMQExample
             thinking.Restart();
         }
 
-        /// <inheritdoc/>
         protected override void Update()
         {
             if (Connects) Serve();

@@ -31,16 +31,13 @@ namespace NetMQExample
         public Action<object> SendInfo { get; set; } = info => { };
 
         private IEnumerable<PursuitPlayer> Hunters => players.Where(player => player.Hunts && player.Lives);
-
         private IEnumerable<PursuitPlayer> Rabbits => players.Where(player => !player.Hunts && player.Lives);
 
-        /// <inheritdoc/>
         public void OnReset(RandomGenerator random, IReadOnlyDictionary<string, object> options)
         {
             foreach (var player in players) player.Begin(random);
         }
 
-        /// <inheritdoc/>
         public void OnTick(double dt)
         {
             var living = players.Where(player => player.Lives).ToList();
@@ -60,10 +57,8 @@ namespace NetMQExample
             foreach (var player in living) player.Judge(over);
         }
 
-        /// <inheritdoc/>
         public void OnStepped() { }
 
-        /// <inheritdoc/>
         public MessageArray Render()
         {
             var pixels = new byte[Size * Size * 3];
@@ -105,7 +100,6 @@ namespace NetMQExample
             Hunts = name.StartsWith("hunter", StringComparison.Ordinal);
         }
 
-        /// <summary>Whether it is a hunter.</summary>
         public bool Hunts { get; }
 
         /// <summary>Where it is: from -1, left, to 1, right.</summary>
@@ -114,13 +108,10 @@ namespace NetMQExample
         /// <summary>From -1, below, to 1, above.</summary>
         public double Y { get; private set; }
 
-        /// <summary>Whether it is still in the game.</summary>
         public bool Lives { get; internal set; }
 
-        /// <inheritdoc/>
         public override GymSpace Observation { get; } = GymSpace.Box(-2, 2, 15);
 
-        /// <inheritdoc/>
         public override GymSpace Action { get; } = GymSpace.Discrete(Ways.Length);
 
         // A hunter's energy, and the reward of this tick.
@@ -128,7 +119,6 @@ namespace NetMQExample
 
         internal double Earned { get; set; }
 
-        /// <inheritdoc/>
         public override void OnReset()
         {
             // A player that begins anew while the others go on has no place from the world.
@@ -136,10 +126,8 @@ namespace NetMQExample
             begun = false;
         }
 
-        /// <inheritdoc/>
         public override void OnAction(SpaceReader action) => way = (int)action[0];
 
-        /// <inheritdoc/>
         public override void Observe(SpaceWriter seen)
         {
             seen.Add(X, Y, Energy);

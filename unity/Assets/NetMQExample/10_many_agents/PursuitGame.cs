@@ -12,14 +12,10 @@ namespace NetMQExample
     {
         private readonly Pursuit world = new Pursuit();
 
-        /// <inheritdoc/>
         public override void OnReset(RandomGenerator random, IReadOnlyDictionary<string, object> options) =>
             world.OnReset(random, options);
 
-        /// <inheritdoc/>
         public override void OnTick(double dt) => world.OnTick(dt);
-
-        /// <inheritdoc/>
         public override MessageArray Render() => world.Render();
 
         private void Awake()

@@ -24,19 +24,14 @@ namespace NetMQExample
         /// <summary>The camera. Set it, and what follows, before the first answer.</summary>
         public Camera Camera { get => source; set => source = value; }
 
-        /// <summary>In pixels.</summary>
         public int Width { get => width; set => width = value; }
-
-        /// <summary>In pixels.</summary>
         public int Height { get => height; set => height = value; }
 
         /// <summary>Whether the picture is [height, width] in place of [height, width, 3].</summary>
         public bool Greyscale { get => greyscale; set => greyscale = value; }
 
-        /// <inheritdoc/>
         protected override string Key => "camera";
 
-        /// <inheritdoc/>
         public override object GetObservation()
         {
             if (source == null) throw new MessageException("no-camera", "it has no camera");
@@ -45,7 +40,6 @@ namespace NetMQExample
             return view.Observe(picture ??= new byte[view.Size]);
         }
 
-        /// <inheritdoc/>
         protected override void Start()
         {
             base.Start();

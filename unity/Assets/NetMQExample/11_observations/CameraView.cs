@@ -34,7 +34,6 @@ namespace NetMQExample
             Size = width * height * (greyscale ? 1 : 3);
         }
 
-        /// <summary>How many bytes a picture has.</summary>
         public int Size { get; }
 
         /// <summary>The camera's picture of this moment.</summary>
@@ -52,7 +51,6 @@ namespace NetMQExample
             return new MessageArray("uint8", into, shape);
         }
 
-        /// <summary>Releases the texture.</summary>
         public void Dispose()
         {
             // The camera may have been destroyed before.

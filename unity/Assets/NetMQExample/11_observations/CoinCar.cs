@@ -21,22 +21,16 @@ namespace NetMQExample
         private double x, y;
         private int steps;
 
-        /// <summary>An agent of this name.</summary>
         public CoinCar(string name = "agent") : base(name) { }
 
-        /// <summary>The places of the coins that are left.</summary>
         public List<(double X, double Y)> Spots { get; } = new List<(double X, double Y)>();
 
-        /// <summary>Where the car is.</summary>
         public (double X, double Y) Spot => (x, y);
 
         [Box] private float[] place => new[] { (float)x, (float)y };
-
         [Discrete] private int left => Spots.Count;
-
         [List] private List<float[]> coins => Spots.ConvertAll(spot => new[] { (float)spot.X, (float)spot.Y });
 
-        /// <inheritdoc/>
         public override void OnReset()
         {
             (x, y) = (Field / 2, Field / 2);
@@ -49,7 +43,6 @@ namespace NetMQExample
             steps = 0;
         }
 
-        /// <inheritdoc/>
         public override void OnAction(object action)
         {
             var parts = (Dictionary<string, object>)action;
@@ -58,7 +51,6 @@ namespace NetMQExample
             steps++;
         }
 
-        /// <inheritdoc/>
         public override void OnTick(double dt)
         {
             var metres = Speed * (1 + boost) * dt;
@@ -83,7 +75,6 @@ namespace NetMQExample
         private static readonly byte[] Grass = { 40, 80, 40 }, Coin = { 240, 200, 40 }, Car = { 200, 30, 30 };
         private static readonly byte[,,] Meadow = Filled(new byte[48, 64, 3], 0, 0, 48, 64, Grass);
 
-        /// <inheritdoc/>
         public DrawnCoinCar(string name = "agent") : base(name) { }
 
         [Box(".camera")] private byte[,,] picture => Draw();

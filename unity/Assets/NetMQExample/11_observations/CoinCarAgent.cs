@@ -17,24 +17,20 @@ namespace NetMQExample
         private CoinCar car;
         private Transform body;
 
-        /// <inheritdoc/>
         protected override PlainAgent MakePlain(string name) => car = new CoinCar(name);
 
-        /// <inheritdoc/>
         public override void OnReset()
         {
             base.OnReset();
             Show();
         }
 
-        /// <inheritdoc/>
         public override object Heuristic() => new Dictionary<string, object>
         {
             ["push"] = BoxOf.Value(new[] { ArrowKeys.Horizontal, ArrowKeys.Vertical }),
             ["boost"] = ArrowKeys.Space ? 1L : 0L,
         };
 
-        /// <inheritdoc/>
         public override void OnTick(double dt)
         {
             base.OnTick(dt);

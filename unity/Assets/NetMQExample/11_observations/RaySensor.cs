@@ -24,10 +24,8 @@ namespace NetMQExample
         /// <summary>The tags that it tells apart. Set them before the first answer.</summary>
         public string[] DetectableTags { get => detectableTags; set => detectableTags = value; }
 
-        /// <inheritdoc/>
         protected override string Key => "rays";
 
-        /// <inheritdoc/>
         public override object GetObservation() => (view ??= new RayView(transform, raysPerDirection, maxRayDegrees,
             rayLength, sphereCastRadius, rayLayerMask, detectableTags)).Observe();
     }

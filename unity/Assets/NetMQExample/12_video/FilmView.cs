@@ -35,13 +35,8 @@ namespace NetMQExample
             this.channels = channels;
         }
 
-        /// <summary>Its name in Python.</summary>
         public string Name { get; }
-
-        /// <summary>In pixels.</summary>
         public int Width { get; }
-
-        /// <summary>In pixels.</summary>
         public int Height { get; }
 
         /// <summary>Whether a film of it is made. For any thread.</summary>

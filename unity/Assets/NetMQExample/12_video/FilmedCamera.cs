@@ -29,7 +29,6 @@ namespace NetMQExample
             _ = new CameraReadback(camera, new byte[0]);
         }
 
-        /// <summary>What ViewSender.cs offers.</summary>
         public FilmView View { get; }
 
         /// <summary>Takes what has come, and a new picture if one is due. Call it in each LateUpdate.</summary>
@@ -56,7 +55,6 @@ namespace NetMQExample
             camera.targetTexture = before;
         }
 
-        /// <summary>Takes its texture away.</summary>
         public void Dispose()
         {
             if (texture != null) Object.Destroy(texture);

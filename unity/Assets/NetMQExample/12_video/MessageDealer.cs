@@ -33,7 +33,6 @@ namespace NetMQExample
             }, 4 * Message.LimitBytes);
         }
 
-        /// <summary>How long to wait until a message is sent.</summary>
         public TimeSpan Timeout { get => timeout; set => timeout = Require.Seconds("timeout", value); }
 
         /// <summary>Sends a message. Its arrays are lent: leave them alone until the other side says that it has
@@ -81,10 +80,7 @@ namespace NetMQExample
         /// <summary>The next message has a new socket.</summary>
         public void Close() => connection.Close();
 
-        /// <inheritdoc/>
         public override string ToString() => $"MessageDealer {endpoint}";
-
-        /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose() => connection.Dispose();
 
         private void Send(byte[] bytes, bool more, CancellationToken stop)

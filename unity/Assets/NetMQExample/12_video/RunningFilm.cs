@@ -22,7 +22,6 @@ namespace NetMQExample
         public byte[] Pixels { get; }
 
         internal int Number { get; set; }
-
         internal double Time { get; set; }
     }
 
@@ -56,17 +55,13 @@ namespace NetMQExample
             for (var i = 0; i < Pictures; i++) free.Enqueue(new Picture(this, channels));
         }
 
-        /// <summary>In pixels.</summary>
         public int Width { get; }
-
-        /// <summary>In pixels.</summary>
         public int Height { get; }
 
         /// <summary>Whether it has only the pictures that Python asks for.</summary>
         public bool OnDemand => double.IsInfinity(interval);
 
         internal long Id { get; }
-
         internal bool Ending => ending != null;
 
         internal Picture Due()

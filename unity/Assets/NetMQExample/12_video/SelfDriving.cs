@@ -20,7 +20,6 @@ namespace NetMQExample
         private readonly byte[] drawn = new byte[DrawnCamera.Size], ground = new byte[DrawnCamera.Size];
         private DrawnCamera camera;
 
-        /// <summary>Begins at the first point of the road.</summary>
         public SelfDriving()
         {
             Car = new Car(road, 0);
@@ -28,13 +27,9 @@ namespace NetMQExample
             foreach (var (x, y) in road.Points) Square(ground, x, y, 4, Tarmac);
         }
 
-        /// <summary>Where it is.</summary>
         public Car Car { get; }
-
-        /// <summary>How many there were.</summary>
         public int Steps { get; private set; }
 
-        /// <summary>Goes on.</summary>
         public void Step()
         {
             var (toX, toY) = road.Points[(road.Nearest(Car.X, Car.Y).At + Ahead) % road.Points.Length];

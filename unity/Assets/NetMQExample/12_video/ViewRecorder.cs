@@ -23,7 +23,6 @@ namespace NetMQExample
         private FilmedCamera[] filmed = Array.Empty<FilmedCamera>();
         private volatile ViewSender sender;
 
-        /// <summary>Whether Python is there.</summary>
         public bool Connected => sender?.Connected == true;
 
         /// <summary>Whether a film is made of any of them, or has ended and that is not logged yet.</summary>
@@ -42,7 +41,6 @@ namespace NetMQExample
         /// <summary>The cameras to film. Change them before this component is enabled, or in Awake.</summary>
         public List<Camera> Cameras => cameras;
 
-        /// <inheritdoc/>
         protected override void Talk(CancellationToken stop)
         {
             Log($"asking {endpoint}");

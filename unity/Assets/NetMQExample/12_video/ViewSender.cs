@@ -86,10 +86,7 @@ namespace NetMQExample
                     $"nobody films at {endpoint} within {timeout.TotalSeconds} s; is the server running? ({why})"));
         }
 
-        /// <inheritdoc/>
         public override string ToString() => $"ViewSender {endpoint}";
-
-        /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose() => dealer.Dispose();
 
         private void Talk(IReadOnlyList<FilmView> views, CancellationToken stop)

@@ -58,7 +58,6 @@ namespace NetMQExample.MLAgents
         /// <summary>As early in 2020, before there was SideChannelManager.</summary>
         public void RegisterSideChannel(SideChannel channel) => SideChannelManager.RegisterSideChannel(channel);
 
-        /// <summary>As early in 2020.</summary>
         public void UnregisterSideChannel(SideChannel channel) => SideChannelManager.UnregisterSideChannel(channel);
 
         /// <summary>Unregisters its channels; the next Play has another academy.</summary>

@@ -11,7 +11,6 @@ namespace NetMQExample.MLAgents.SideChannels
     /// <summary>Which setting.</summary>
     public enum ConfigurationType
     {
-        /// <summary>Two numbers, width and height.</summary>
         ScreenResolution = 0,
         /// <summary>As in Project Settings, Quality.</summary>
         QualityLevel = 1,
@@ -31,7 +30,6 @@ namespace NetMQExample.MLAgents.SideChannels
 
         private readonly Action<ConfigurationType, double[]> apply;
 
-        /// <summary>Calls <paramref name="apply"/> with each.</summary>
         public EngineConfigurationChannel(Action<ConfigurationType, double[]> apply)
         {
             ChannelId = new Guid("e951342c-4f7e-11ea-b238-784f4387d1f7");
@@ -46,7 +44,6 @@ namespace NetMQExample.MLAgents.SideChannels
             return $"engine: {Name(kind)} {string.Join(" x ", texts)}";
         }
 
-        /// <inheritdoc/>
         protected override void OnMessageReceived(IncomingMessage msg)
         {
             var kind = (ConfigurationType)msg.ReadInt32();

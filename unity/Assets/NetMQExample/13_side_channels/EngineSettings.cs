@@ -8,7 +8,6 @@ namespace NetMQExample.MLAgents.SideChannels
     /// <summary>Sets what EngineConfigurationChannel hears of. On the main thread.</summary>
     public static class EngineSettings
     {
-        /// <summary>Sets it, and logs it.</summary>
         public static void Apply(ConfigurationType kind, double[] values)
         {
             Debug.Log(EngineConfigurationChannel.Describe(kind, values));

@@ -17,7 +17,6 @@ namespace NetMQExample.MLAgents
         private readonly Dictionary<string, Func<float>> parameters = new Dictionary<string, Func<float>>();
         private readonly Dictionary<string, Action<float>> callbacks = new Dictionary<string, Action<float>>();
 
-        /// <summary>With ML-Agents' id.</summary>
         public EnvironmentParameters() => ChannelId = new Guid("534c891e-810f-11ea-a9d0-822485860400");
 
         /// <summary>Of a sampler each call draws another number.</summary>
@@ -27,10 +26,8 @@ namespace NetMQExample.MLAgents
         /// <summary>One for each key, called when a number comes for it, and not for a sampler.</summary>
         public void RegisterCallback(string key, Action<float> action) => callbacks[key] = action;
 
-        /// <summary>Those that came.</summary>
         public IList<string> Keys() => parameters.Keys.ToList();
 
-        /// <inheritdoc/>
         protected override void OnMessageReceived(IncomingMessage msg)
         {
             var key = msg.ReadString("");

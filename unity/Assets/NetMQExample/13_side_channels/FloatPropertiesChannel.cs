@@ -37,10 +37,8 @@ namespace NetMQExample.MLAgents.SideChannels
         /// <summary>One for each key, called whenever it is set.</summary>
         public void RegisterCallback(string key, Action<float> action) => callbacks[key] = action;
 
-        /// <summary>Those that were set.</summary>
         public IList<string> Keys() => properties.Keys.ToList();
 
-        /// <inheritdoc/>
         protected override void OnMessageReceived(IncomingMessage msg)
         {
             var key = msg.ReadString("");

@@ -14,7 +14,6 @@ namespace NetMQExample.MLAgents.SideChannels
         /// <summary>With an id of yours.</summary>
         public RawBytesChannel(Guid channelId) => ChannelId = channelId;
 
-        /// <summary>Queues a message.</summary>
         public void SendRawBytes(byte[] data)
         {
             using var msg = new OutgoingMessage();
@@ -30,10 +29,7 @@ namespace NetMQExample.MLAgents.SideChannels
             return messages;
         }
 
-        /// <summary>Those that have come.</summary>
         public IList<byte[]> GetReceivedMessages() => received.AsReadOnly();
-
-        /// <inheritdoc/>
         protected override void OnMessageReceived(IncomingMessage msg) => received.Add(msg.GetRawBytes());
     }
 }

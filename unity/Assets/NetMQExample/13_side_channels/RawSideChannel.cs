@@ -11,10 +11,8 @@ namespace NetMQExample.RawSideChannels
     {
         internal override void ProcessMessage(byte[] message) => OnMessageReceived(message);
 
-        /// <summary>A message of the other side's channel with the same id.</summary>
         public abstract void OnMessageReceived(byte[] data);
 
-        /// <inheritdoc/>
         protected sealed override void OnMessageReceived(IncomingMessage msg) => OnMessageReceived(msg.GetRawBytes());
 
         /// <summary>It leaves with the next exchange.</summary>

@@ -58,7 +58,6 @@ namespace NetMQExample.MLAgents.SideChannels
             return true;
         }
 
-        /// <summary>A message of the other side's channel with the same id.</summary>
         protected abstract void OnMessageReceived(IncomingMessage msg);
 
         /// <summary>It leaves with the next exchange.</summary>

@@ -18,7 +18,6 @@ namespace NetMQExample.MLAgents.SideChannels
         // Whether what was packed before is still here.
         private bool full;
 
-        /// <summary>How long the server may be silent.</summary>
         protected System.TimeSpan Timeout => Seconds(timeout);
 
         /// <summary>True when there is nothing more to say.</summary>
@@ -35,7 +34,6 @@ namespace NetMQExample.MLAgents.SideChannels
             return full ? new byte[0] : SideChannelManager.GetSideChannelMessage();
         }
 
-        /// <inheritdoc/>
         protected override void Begin()
         {
             SideChannelManager.Report = new Trouble(Debug.LogWarning).Report;
@@ -43,14 +41,12 @@ namespace NetMQExample.MLAgents.SideChannels
             base.Begin();
         }
 
-        /// <inheritdoc/>
         protected override void OnDisable()
         {
             base.OnDisable();
             if (Academy.IsInitialized) Academy.Instance.Dispose();
         }
 
-        /// <inheritdoc/>
         protected override void Talk(CancellationToken stop)
         {
             Log($"asking {endpoint}");

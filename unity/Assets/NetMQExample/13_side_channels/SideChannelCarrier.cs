@@ -92,10 +92,7 @@ namespace NetMQExample.MLAgents.SideChannels
             return received;
         }
 
-        /// <inheritdoc/>
         public override string ToString() => $"SideChannelCarrier {endpoint}";
-
-        /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose() => connection.Dispose();
 
         private void SayHello()

@@ -16,16 +16,11 @@ namespace NetMQExample.MLAgents.SideChannels
 
         private SideChannelRounds rounds;
 
-        /// <inheritdoc/>
         protected override bool Over => rounds.Done;
-
-        /// <inheritdoc/>
         protected override bool GivesUp => true;
 
-        /// <inheritdoc/>
         protected override byte[] Exchange(List<byte[]> received) => rounds.Exchange(received);
 
-        /// <inheritdoc/>
         protected override void Begin()
         {
             // A phone begins again when the game is back.
@@ -35,14 +30,12 @@ namespace NetMQExample.MLAgents.SideChannels
             base.Begin();
         }
 
-        /// <inheritdoc/>
         protected override void OnDisable()
         {
             Forget();
             base.OnDisable();
         }
 
-        /// <inheritdoc/>
         protected override void Talk(CancellationToken stop)
         {
             base.Talk(stop);

@@ -22,7 +22,6 @@ namespace NetMQExample.MLAgents.SideChannels
         private readonly byte[] buffer;
         private int offset;
 
-        /// <summary>Reads these bytes, from there on.</summary>
         public IncomingMessage(byte[] buffer, int offset = 0) =>
             (this.buffer, this.offset) = (Require.Given("buffer", buffer), offset);
 
@@ -91,7 +90,6 @@ namespace NetMQExample.MLAgents.SideChannels
         private readonly MemoryStream stream = new MemoryStream();
         private readonly BinaryWriter writer;
 
-        /// <summary>An empty one.</summary>
         public OutgoingMessage() => writer = new BinaryWriter(stream);
 
         /// <summary>One byte.</summary>
@@ -130,7 +128,6 @@ namespace NetMQExample.MLAgents.SideChannels
             writer.Write(data);
         }
 
-        /// <summary>Ends it.</summary>
         public void Dispose() => writer.Dispose();
 
         // Why it will not be sent.

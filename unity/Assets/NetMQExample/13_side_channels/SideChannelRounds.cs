@@ -77,7 +77,6 @@ namespace NetMQExample.MLAgents.SideChannels
             return data.Concat(StringLog.ChannelId.ToByteArray()).Concat(cut).ToArray();
         }
 
-        /// <summary>Unregisters its channels.</summary>
         public void Dispose()
         {
             SideChannelManager.UnregisterSideChannel(StringLog);

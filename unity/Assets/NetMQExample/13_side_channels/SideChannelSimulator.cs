@@ -12,7 +12,6 @@ namespace NetMQExample.MLAgents.SideChannels
         /// <summary>For a simulator, which from then on nobody else asks.</summary>
         public SideChannelSimulator(SimulatorBase simulator) : base(simulator) { }
 
-        /// <inheritdoc/>
         public override Message Describe()
         {
             var hello = base.Describe();
@@ -20,7 +19,6 @@ namespace NetMQExample.MLAgents.SideChannels
             return hello;
         }
 
-        /// <inheritdoc/>
         public override bool Do(StepRequest request, StepAnswer answer, bool again)
         {
             if (request.HasExchange && !again) SideChannelManager.Receive(new[] { request.Exchange.ToArray() });

@@ -11,23 +11,18 @@ namespace NetMQExample.MLAgents
     /// <summary>How to combine the values of one key.</summary>
     public enum StatAggregationMethod
     {
-        /// <summary>Their mean.</summary>
         Average = 0,
         /// <summary>The last one.</summary>
         MostRecent = 1,
-        /// <summary>All together.</summary>
         Sum = 2,
-        /// <summary>How they are spread.</summary>
         Histogram = 3,
     }
 
     /// <summary>Sends what the trainer is to show.</summary>
     public sealed class StatsRecorder : SideChannel
     {
-        /// <summary>With ML-Agents' id.</summary>
         public StatsRecorder() => ChannelId = new Guid("a1d8f7b7-cec8-50f9-b78b-d3e165a78520");
 
-        /// <summary>Queues a value.</summary>
         public void Add(
             string key, float value, StatAggregationMethod aggregationMethod = StatAggregationMethod.Average)
         {
@@ -38,7 +33,6 @@ namespace NetMQExample.MLAgents
             QueueMessageToSend(msg);
         }
 
-        /// <inheritdoc/>
         protected override void OnMessageReceived(IncomingMessage msg) =>
             throw new UnityAgentsException("statistics came from Python, which is to receive them");
     }

@@ -27,7 +27,6 @@ namespace NetMQExample.MLAgents.SideChannels
             QueueMessageToSend(msg);
         }
 
-        /// <inheritdoc/>
         protected override void OnMessageReceived(IncomingMessage msg)
         {
             if (throws) throw new UnityAgentsException("thrown on purpose");

@@ -15,10 +15,8 @@ namespace NetMQExample.MLAgents.SideChannels
         private readonly Stopwatch said = new Stopwatch();
         private int unsaid;
 
-        /// <summary>Says it with <paramref name="say"/>.</summary>
         public Trouble(Action<string> say) => this.say = Require.Given("say", say);
 
-        /// <summary>Says it, or counts it for the next line.</summary>
         public void Report(string line)
         {
             if (said.IsRunning && said.ElapsedMilliseconds < 1000)

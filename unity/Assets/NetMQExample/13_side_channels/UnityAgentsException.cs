@@ -6,10 +6,7 @@ namespace NetMQExample.MLAgents
     /// <summary>A mistake of a script, in one line that says how to mend it.</summary>
     public class UnityAgentsException : Exception
     {
-        /// <summary>With its line.</summary>
         public UnityAgentsException(string message) : base(message) { }
-
-        /// <summary>With its line, and with the exception that it comes from.</summary>
         public UnityAgentsException(string message, Exception innerException) : base(message, innerException) { }
 
         /// <summary>Returns a number, unless it is none: Python's trainers would learn nothing from it.</summary>

@@ -58,7 +58,6 @@ namespace NetMQExample
             connection = new NetMQConnection(endpoint, () => new DealerSocket(), Message.LimitBytes);
         }
 
-        /// <summary>The job's id.</summary>
         public string Job { get; }
 
         /// <summary>An id must never come twice, whoever else makes one: hence the GUID.</summary>
@@ -154,10 +153,7 @@ namespace NetMQExample
         /// became.</summary>
         public void Cancel() => cancel = 1;
 
-        /// <inheritdoc/>
         public override string ToString() => $"JobClient {endpoint}";
-
-        /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose() => connection.Dispose();
 
         // Without waiting: after a peer that broke the protocol there may be no connection to send on.

@@ -49,7 +49,6 @@ namespace NetMQExample
         /// <summary>The verb: accepted, feedback, canceling, result or forgotten.</summary>
         public string Kind { get; }
 
-        /// <summary>The job's id.</summary>
         public string Job { get; }
 
         /// <summary>Of a result: succeeded, canceled or aborted.</summary>
@@ -58,10 +57,7 @@ namespace NetMQExample
         /// <summary>Grows with each message about a job.</summary>
         public long Seq { get; }
 
-        /// <summary>How far it is.</summary>
         public long Done { get; }
-
-        /// <summary>How far it goes.</summary>
         public long Total { get; }
 
         /// <summary>More about it, in words.</summary>
@@ -79,7 +75,6 @@ namespace NetMQExample
         /// <summary>The picture so far, as Unity's textures have it: RGB, the lowest row first.</summary>
         public byte[] Pixels { get; }
 
-        /// <summary>The line to print.</summary>
         public string Line { get; }
 
         /// <summary>How much is done, from 0 to 1.</summary>

@@ -43,7 +43,6 @@ namespace NetMQExample
         /// <summary>Asks for the job's end; for a button.</summary>
         public void Cancel() => client?.Cancel();
 
-        /// <inheritdoc/>
         protected override void Talk(CancellationToken stop)
         {
             newest = null;

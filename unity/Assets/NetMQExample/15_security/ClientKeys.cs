@@ -59,7 +59,6 @@ namespace NetMQExample
         public ClientKeys Stranger() => new ClientKeys(server, new NetMQCertificate());
 
         /// <summary>Gives a socket these keys. Call it before Connect.</summary>
-        /// <param name="socket">The socket.</param>
         public void Apply(NetMQSocket socket)
         {
             socket.Options.CurveServerCertificate = server;

@@ -25,10 +25,8 @@ namespace NetMQExample
         [SerializeField, Tooltip("Without keys")] private bool plain;
         [SerializeField, Tooltip("With each reply")] private Arrival<string> replied = new();
 
-        /// <summary>With each reply's text, for scripts.</summary>
         public event Action<string> Replied { add => replied.Raised += value; remove => replied.Raised -= value; }
 
-        /// <inheritdoc/>
         protected override void Talk(CancellationToken stop)
         {
             // Unity tells it on the main thread only.

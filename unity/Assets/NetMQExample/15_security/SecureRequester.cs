@@ -88,10 +88,8 @@ namespace NetMQExample
             }
         }
 
-        /// <inheritdoc/>
         public override string ToString() => $"SecureRequester {endpoint}";
 
-        /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose()
         {
             Close();

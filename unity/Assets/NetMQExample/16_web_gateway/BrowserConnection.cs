@@ -13,19 +13,11 @@ namespace NetMQExample
         /// <param name="address">A <c>ws://</c> or <c>wss://</c> address; a page of https needs the latter.</param>
         public BrowserConnection(string address) => number = KitWebOpen(WebText.Given("address", address));
 
-        /// <inheritdoc/>
         public bool IsOpen => KitWebIsOpen(number) != 0;
-
-        /// <inheritdoc/>
         public string Closed => KitWebClosed(number);
 
-        /// <inheritdoc/>
         public void Send(string text) => KitWebSend(number, text);
-
-        /// <inheritdoc/>
         public bool TryReceive(out string text) => (text = KitWebReceive(number)) != null;
-
-        /// <inheritdoc/>
         public void Dispose() => KitWebClose(number);
 
         [DllImport("__Internal")] private static extern int KitWebOpen(string address);

@@ -48,13 +48,9 @@ namespace NetMQExample
             _ = OnPool(() => Run(address));
         }
 
-        /// <inheritdoc/>
         public bool IsOpen => open && closed == null;
-
-        /// <inheritdoc/>
         public string Closed => closed;
 
-        /// <inheritdoc/>
         public void Send(string text)
         {
             var before = sending;
@@ -69,7 +65,6 @@ namespace NetMQExample
             });
         }
 
-        /// <inheritdoc/>
         public bool TryReceive(out string text) => received.TryDequeue(out text);
 
         /// <summary>Leaves at once, and drops messages that are under way.</summary>

@@ -25,7 +25,6 @@ namespace NetMQExample
         private WebRequester requester;
         private int asked, replies;
 
-        /// <summary>With each reply's text, for scripts.</summary>
         public event Action<string> Replied;
 
         /// <summary>True once the last line, or the reason why there is none, was logged.</summary>

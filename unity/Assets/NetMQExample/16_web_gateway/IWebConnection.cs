@@ -13,11 +13,9 @@ namespace NetMQExample
         string Closed { get; }
 
         /// <summary>Sends a message; what can no longer be sent is dropped.</summary>
-        /// <param name="text">The message.</param>
         void Send(string text);
 
         /// <summary>Takes a message that has come.</summary>
-        /// <param name="text">The message.</param>
         /// <returns>False if there is none.</returns>
         bool TryReceive(out string text);
     }

@@ -29,17 +29,12 @@ namespace NetMQExample
             this.token = WebText.Given("token", token);
         }
 
-        /// <inheritdoc/>
         protected override string Path => "/socket.io/?EIO=4&transport=websocket";
-
-        /// <inheritdoc/>
         protected override bool IsReady => ready;
 
-        /// <inheritdoc/>
         protected override string Write(string[] frames) =>
             FormattableString.Invariant($"42{++number}") + new JArray(name, frames).ToString(Formatting.None);
 
-        /// <inheritdoc/>
         protected override void Read(string text)
         {
             var reply = FormattableString.Invariant($"43{number}");
@@ -58,7 +53,6 @@ namespace NetMQExample
             }
         }
 
-        /// <inheritdoc/>
         protected override void Forget() => ready = false;
     }
 }

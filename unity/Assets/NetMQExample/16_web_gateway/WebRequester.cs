@@ -100,7 +100,6 @@ namespace NetMQExample
             return frames != null;
         }
 
-        /// <inheritdoc/>
         public override string ToString() => $"{GetType().Name} {endpoint}";
 
         /// <summary>Leaves at once, and does not come again.</summary>
@@ -115,18 +114,15 @@ namespace NetMQExample
 
         /// <summary>Writes a request.</summary>
         /// <param name="frames">Its frames.</param>
-        /// <returns>The message.</returns>
         protected abstract string Write(string[] frames);
 
         /// <summary>Reads a message, and hands a reply to <see cref="Answer"/>.</summary>
-        /// <param name="text">The message.</param>
         protected abstract void Read(string text);
 
         /// <summary>Forgets what belongs to a connection that is gone.</summary>
         protected virtual void Forget() { }
 
         /// <summary>Sends a message.</summary>
-        /// <param name="text">The message.</param>
         protected void Say(string text) => connection.Send(text);
 
         /// <summary>The reply has come.</summary>

@@ -16,13 +16,9 @@ namespace NetMQExample
             : base(endpoint, timeout) =>
             Path = $"/ws/{WebText.Given("name", name)}?token={Uri.EscapeDataString(WebText.Given("token", token))}";
 
-        /// <inheritdoc/>
         protected override string Path { get; }
 
-        /// <inheritdoc/>
         protected override string Write(string[] frames) => JsonConvert.SerializeObject(frames);
-
-        /// <inheritdoc/>
         protected override void Read(string text) => Answer(WebText.Parse(text));
     }
 }

@@ -11,7 +11,6 @@ namespace NetMQExample
     /// <summary>Texts that a stranger may have written.</summary>
     public static class WebText
     {
-        /// <summary>What is said of an answer that is none.</summary>
         public const string NoGateway = "what answers there is no gateway";
 
         // As Require's, which a WebGL build does not have.

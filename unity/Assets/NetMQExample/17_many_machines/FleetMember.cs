@@ -16,10 +16,8 @@ namespace NetMQExample
         private readonly CartPole world = new CartPole();
         private Transform cart;
 
-        /// <inheritdoc/>
         protected override string Endpoint => endpoint;
 
-        /// <inheritdoc/>
         protected override SimulatorBase MakeSimulator() =>
             new FleetSimulator(new SceneSimulator("CartPole", 0.02, new[] { world }), build);
 

@@ -13,7 +13,6 @@ namespace NetMQExample
     {
         private readonly string build;
 
-        /// <summary>Wraps a simulator, of the build that the hub must expect.</summary>
         public FleetSimulator(SimulatorBase simulator, string build) : base(simulator) =>
             this.build = Require.Given("build", build);
 
@@ -21,13 +20,11 @@ namespace NetMQExample
         /// 0.</summary>
         public Action<string> Crash { get; set; }
 
-        /// <summary>After how many steps it crashes.</summary>
         public int CrashAfter { get; set; }
 
         /// <summary>Trouble on command: how long each step takes.</summary>
         public TimeSpan Delay { get; set; }
 
-        /// <inheritdoc/>
         public override Message Describe()
         {
             var hello = base.Describe();
@@ -35,7 +32,6 @@ namespace NetMQExample
             return hello;
         }
 
-        /// <inheritdoc/>
         public override bool Do(StepRequest request, StepAnswer answer, bool again)
         {
             if (request.Steps && !again)

@@ -22,10 +22,7 @@ namespace NetMQExample
             (HumanBodyBones.RightFoot, HumanBodyBones.RightToes, 28, 32, false),
         };
 
-        /// <summary>Where the hips look.</summary>
         public static Quaternion Hips(BodyTracker body) => Axes(body.Place(24) - body.Place(23), Spine(body));
-
-        /// <summary>Where the shoulders look.</summary>
         public static Quaternion Chest(BodyTracker body) => Axes(body.Place(12) - body.Place(11), Spine(body));
 
         /// <summary>Where the face looks: from between the ears to the middle of nose and eyes, which is as high.

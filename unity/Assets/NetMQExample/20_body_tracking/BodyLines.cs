@@ -4,7 +4,6 @@ namespace NetMQExample
     /// <summary>Lines, as pairs of landmarks.</summary>
     public static class BodyLines
     {
-        /// <summary>Of a skeleton.</summary>
         public static readonly (int From, int To)[] Body =
         {
             // The face: mouth, and from ear to ear over the eyes and the nose.
@@ -19,7 +18,6 @@ namespace NetMQExample
             (24, 26), (26, 28), (28, 30), (28, 32), (30, 32),
         };
 
-        /// <summary>Of a hand.</summary>
         public static readonly (int From, int To)[] Hand =
         {
             // The palm, from the wrist, which is 0, around to it.

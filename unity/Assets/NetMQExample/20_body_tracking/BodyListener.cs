@@ -34,7 +34,6 @@ namespace NetMQExample
             listener = new TopicListener(endpoint, Topic);
         }
 
-        /// <summary>The topic that it has subscribed to.</summary>
         public string Topic { get; }
 
         /// <summary>The person or hand that it listens to, in words.</summary>
@@ -84,10 +83,7 @@ namespace NetMQExample
                 + FormattableString.Invariant($"{1000 * behind:F0} ms late");
         }
 
-        /// <inheritdoc/>
         public override string ToString() => $"BodyListener {endpoint}";
-
-        /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose() => listener.Dispose();
     }
 }

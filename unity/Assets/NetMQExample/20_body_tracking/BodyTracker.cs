@@ -31,7 +31,6 @@ namespace NetMQExample
         /// <summary>False before the first pose, and while nobody is there.</summary>
         public bool Present => filter != null && newest?.Places != null;
 
-        /// <summary>Whether it is a hand.</summary>
         public bool IsHand => hand != "";
 
         /// <summary>Where a landmark is, from the middle of the hips or of the hand, in Unity's axes.</summary>
@@ -43,7 +42,6 @@ namespace NetMQExample
             return new Vector3((float)values[x], (float)values[x + 1], (float)values[x + 2]);
         }
 
-        /// <inheritdoc/>
         protected override void Update()
         {
             base.Update();
@@ -55,7 +53,6 @@ namespace NetMQExample
             tracked.Raise(pose);
         }
 
-        /// <inheritdoc/>
         protected override void Talk(CancellationToken stop)
         {
             using var listener = new BodyListener(endpoint, person, hand);

@@ -19,7 +19,6 @@ namespace NetMQExample
         private const double Fastest = 6;
         private readonly double[] speeds;
 
-        /// <summary>Makes room for so many numbers.</summary>
         public OneEuroFilter(int count)
         {
             Values = new double[count];
@@ -29,7 +28,6 @@ namespace NetMQExample
         /// <summary>Whether there was a step: before it the values are no place.</summary>
         public bool Begun { get; private set; }
 
-        /// <summary>The smoothed numbers.</summary>
         public double[] Values { get; }
 
         /// <summary>Moves the values towards the target.</summary>

@@ -19,7 +19,6 @@ namespace NetMQExample
         /// <summary>All of it, in one line.</summary>
         public string Text { get; private set; } = "";
 
-        /// <summary>How many words that is.</summary>
         public int Words { get; private set; }
 
         /// <summary>The payload of a job in which the character speaks.</summary>
@@ -34,7 +33,6 @@ namespace NetMQExample
 
         /// <summary>For Watch: who stops listening walks away, too, and there is a moment for the server to hear of
         /// it.</summary>
-        /// <param name="client">Of the job.</param>
         /// <param name="stop">Cancels the job.</param>
         /// <returns>It ends the watching.</returns>
         public static CancellationToken LeaveAt(JobClient client, CancellationToken stop)
@@ -50,7 +48,6 @@ namespace NetMQExample
         }
 
         /// <summary>Takes the newest state.</summary>
-        /// <param name="news">Of the job.</param>
         /// <returns>The text behind what was written so far: a line for each sentence.</returns>
         public string Hear(JobNews news)
         {
@@ -70,7 +67,6 @@ namespace NetMQExample
         }
 
         /// <summary>The same for a log.</summary>
-        /// <param name="news">Of the job.</param>
         /// <returns>The sentences that are complete now.</returns>
         public IReadOnlyList<string> Sentences(JobNews news)
         {

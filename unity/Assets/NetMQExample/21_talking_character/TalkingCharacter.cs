@@ -31,7 +31,6 @@ namespace NetMQExample
         /// <summary>All that was said so far, for a bubble of your own.</summary>
         public string Text => text;
 
-        /// <summary>With each sentence, for scripts.</summary>
         public event Action<string> Said { add => said.Raised += value; remove => said.Raised -= value; }
 
         /// <summary>Says something else to it, at once; what it is saying breaks off.</summary>
@@ -48,7 +47,6 @@ namespace NetMQExample
         // IMGUI's own layout would cost a pass, and garbage, in each frame.
         private void Awake() => useGUILayout = false;
 
-        /// <inheritdoc/>
         protected override void Update()
         {
             base.Update();
@@ -60,7 +58,6 @@ namespace NetMQExample
         /// <summary>Draws the text; override it where the game has a place of its own for that.</summary>
         protected virtual void OnGUI() => GUI.Label(new Rect(10, 10, 600, 300), text);
 
-        /// <inheritdoc/>
         protected override void Talk(CancellationToken stop)
         {
             while (!near) if (stop.WaitHandle.WaitOne(20)) return;

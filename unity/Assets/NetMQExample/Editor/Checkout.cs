@@ -18,7 +18,6 @@ namespace NetMQExample.Editor
 
         private Checkout(string root) => Root = root;
 
-        /// <summary>The folder with kit.py.</summary>
         public string Root { get; }
 
         /// <summary>The lessons that have a server, such as 01_request_reply.</summary>

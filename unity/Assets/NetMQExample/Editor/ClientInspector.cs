@@ -45,9 +45,7 @@ namespace NetMQExample.Editor
         }
 
         private static void Say(string reply) => Debug.Log($"received {LogText.Printable(reply)}");
-
         private void OnEnable() => EditorApplication.update += Poll;
-
         private void OnDisable() => EditorApplication.update -= Poll;
 
         // The component itself listens only until its own last reply is there.

@@ -29,7 +29,6 @@ namespace NetMQExample.Editor
 
         private LessonServer(Process process, string log) => (this.process, this.log) = (process, log);
 
-        /// <summary>False once it has ended.</summary>
         public bool Running => process != null && !process.HasExited;
 
         /// <summary>The end of what it has printed.</summary>

@@ -17,11 +17,9 @@ namespace NetMQExample.Editor
 
         private readonly Queue<string> lines = new Queue<string>();
 
-        /// <summary>While it is true, no message is kept.</summary>
         public bool Paused { get; set; }
 
         public void Begin() => NetMQConnection.Seen += Add;
-
         public void End() => NetMQConnection.Seen -= Add;
 
         /// <summary>The newest lines that have this text in them, in upper or lower case.</summary>

@@ -21,7 +21,6 @@ namespace NetMQExample.Editor
         public static void Open() => GetWindow<TrafficWindow>("NetMQ traffic");
 
         private void OnEnable() => log.Begin();
-
         private void OnDisable() => log.End();
 
         // Ten times a second, and not while it is drawn: between layout and drawing nothing may change.

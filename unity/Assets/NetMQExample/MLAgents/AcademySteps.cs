@@ -40,13 +40,8 @@ namespace NetMQExample.MLAgents
         /// <summary>Whether Python decides. That is found out once, when the academy is made.</summary>
         public bool IsCommunicatorOn => connection != null;
 
-        /// <summary>Steps since all began anew.</summary>
         public int StepCount { get; private set; }
-
-        /// <summary>Steps of this Play.</summary>
         public int TotalStepCount { get; private set; }
-
-        /// <summary>How often all began anew.</summary>
         public int EpisodeCount { get; private set; }
 
         /// <summary>Always 1: nothing copies areas here, and UnityEnvironment refuses more.</summary>

@@ -38,12 +38,8 @@ namespace NetMQExample.MLAgents
 
         private AgentLife life;
 
-        /// <summary>Steps since its episode began.</summary>
         public int StepCount => Life.StepCount;
-
-        /// <summary>How many of its episodes are over.</summary>
         public int CompletedEpisodes => Life.CompletedEpisodes;
-
         internal AgentLife Life => life ??= new AgentLife(this);
 
         /// <summary>Prepares it, once each time it is enabled, before others' Start.</summary>
@@ -55,7 +51,6 @@ namespace NetMQExample.MLAgents
         /// <summary>Adds what it sees; the sensor is null if Behavior Parameters has no vector observation.</summary>
         public virtual void CollectObservations(VectorSensor sensor) { }
 
-        /// <summary>Forbids choices of the next decision.</summary>
         public virtual void WriteDiscreteActionMask(IDiscreteActionMask actionMask) { }
 
         /// <summary>Acts. Between two decisions it gets the same actions again; after an end zeros.</summary>
@@ -79,7 +74,6 @@ namespace NetMQExample.MLAgents
         /// <summary>Replaces the reward that goes with its next row.</summary>
         public void SetReward(float reward) => Life.Earn(UnityAgentsException.Finite(reward, nameof(SetReward)), true);
 
-        /// <summary>All rewards of this episode.</summary>
         public float GetCumulativeReward() => Life.CumulativeReward;
 
         /// <summary>The episode is over; the next one begins before this returns.</summary>
@@ -102,7 +96,6 @@ namespace NetMQExample.MLAgents
         /// <summary>The same with the observations before.</summary>
         public ReadOnlyCollection<float> GetStackedObservations() => Life.Stacked.GetStackedObservations();
 
-        /// <summary>The actions that it acts by now.</summary>
         public ActionBuffers GetStoredActionBuffers() => Life.Stored;
 
         /// <summary>Changes its behavior, by which its episode is over; a model is kept and not run.</summary>

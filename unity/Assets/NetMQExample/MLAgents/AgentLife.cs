@@ -34,9 +34,7 @@ namespace NetMQExample.MLAgents
         public event Action<Agent> Left;
 
         public AgentOfOld Old { get; }
-
         public string Name => agent.name;
-
         public BehaviorParameters Parameters { get; private set; }
 
         /// <summary>From OnEnable to OnDisable.</summary>
@@ -49,9 +47,7 @@ namespace NetMQExample.MLAgents
         public bool IsPythons { get; private set; }
 
         public ActionSpec Spec { get; private set; }
-
         public int[] Branches { get; private set; }
-
         private bool HasActions => Spec.NumContinuousActions + Spec.NumDiscreteActions > 0;
 
         public List<ISensor> Sensors { get; private set; } = new List<ISensor>();
@@ -62,22 +58,16 @@ namespace NetMQExample.MLAgents
         public ActionBuffers Stored { get; private set; }
 
         public ActionBuffers Decided { get; private set; }
-
         public int StepCount { get; set; }
-
         public int CompletedEpisodes { get; private set; }
-
         public float CumulativeReward { get; private set; }
 
         /// <summary>Since its last row, and as that row has it.</summary>
         public float Reward { get; private set; }
 
         public float RowReward { get; private set; }
-
         public float GroupReward { get; set; }
-
         public float RowGroupReward { get; private set; }
-
         public int GroupId { get; set; }
 
         public void Begin()

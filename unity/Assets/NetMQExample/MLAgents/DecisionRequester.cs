@@ -11,31 +11,23 @@ namespace NetMQExample.MLAgents
     [RequireComponent(typeof(Agent)), DefaultExecutionOrder(-10)]
     public class DecisionRequester : MonoBehaviour
     {
-        /// <summary>How many steps from one decision to the next.</summary>
         [Range(1, 20), Tooltip("How many steps from one decision to the next")] public int DecisionPeriod = 5;
-
-        /// <summary>In which of these steps it decides, from 0 on.</summary>
         [Range(0, 19), Tooltip("In which of these steps it decides, from 0 on")] public int DecisionStep;
 
-        /// <summary>Whether it acts in the steps between as well.</summary>
         [FormerlySerializedAs("RepeatAction"), Tooltip("Whether it acts in the steps between as well")]
         public bool TakeActionsBetweenDecisions = true;
 
         /// <summary>The step for which it may ask.</summary>
         public struct DecisionRequestContext
         {
-            /// <summary>Steps of the academy before this one.</summary>
             public int AcademyStepCount;
         }
 
-        /// <summary>The agent that asks.</summary>
         public Agent Agent { get; private set; }
 
-        /// <summary>Whether to ask for a decision in this step.</summary>
         protected virtual bool ShouldRequestDecision(DecisionRequestContext context) =>
             DecisionPeriod > 0 && context.AcademyStepCount % DecisionPeriod == DecisionStep;
 
-        /// <summary>Whether to act in this step.</summary>
         protected virtual bool ShouldRequestAction(DecisionRequestContext context) => TakeActionsBetweenDecisions;
 
         private void Awake()

@@ -23,7 +23,6 @@ namespace NetMQExample.MLAgents
         // Of the first reset: Python's, where it gave one.
         public int? Seed { get; private set; }
 
-        /// <summary>Whether any row waits for an answer.</summary>
         public bool HasRows { get; set; }
 
         /// <summary>Whether the last request begins all anew.</summary>

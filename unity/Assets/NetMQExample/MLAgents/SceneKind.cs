@@ -35,7 +35,6 @@ namespace NetMQExample.MLAgents
         }
 
         public string Behavior { get; }
-
         public Dictionary<string, object> Description { get; }
 
         /// <summary>Whether any of them wanted an action in the answer before.</summary>
@@ -49,14 +48,12 @@ namespace NetMQExample.MLAgents
                     + $"{Behavior} has {sizes}: give it another Behavior Name, or the same sensors and actions");
         }
 
-        /// <summary>One wants an action.</summary>
         public void Want(AgentLife agent)
         {
             wanting.Add(agent, Marks.Wants, rowBytes);
             next.Add(agent);
         }
 
-        /// <summary>The episode of one is over.</summary>
         public void End(AgentLife agent, bool interrupted) =>
             ended.Add(agent, interrupted ? Marks.Truncated : Marks.Terminated, rowBytes);
 
@@ -84,7 +81,6 @@ namespace NetMQExample.MLAgents
                         + $"{branches} int32, not {section.Row(row).Length} bytes");
         }
 
-        /// <summary>Gives each agent its action.</summary>
         public void Take(RequestSection section)
         {
             for (var row = 0; row < section.Count; row++)

@@ -11,10 +11,8 @@ namespace NetMQExample.MLAgents
         /// <summary>Its number, from 1 on.</summary>
         int GetId();
 
-        /// <summary>Takes an agent in.</summary>
         void RegisterAgent(Agent agent);
 
-        /// <summary>Lets an agent go.</summary>
         void UnregisterAgent(Agent agent);
     }
 
@@ -26,10 +24,8 @@ namespace NetMQExample.MLAgents
         private readonly List<Agent> agents = new List<Agent>();
         private readonly int id = Interlocked.Increment(ref made);
 
-        /// <inheritdoc/>
         public int GetId() => id;
 
-        /// <inheritdoc/>
         /// <exception cref="UnityAgentsException">It is in another group.</exception>
         public virtual void RegisterAgent(Agent agent)
         {
@@ -41,7 +37,6 @@ namespace NetMQExample.MLAgents
             agents.Add(agent);
         }
 
-        /// <inheritdoc/>
         public virtual void UnregisterAgent(Agent agent)
         {
             if (!agents.Remove(agent)) return;
@@ -49,7 +44,6 @@ namespace NetMQExample.MLAgents
             agent.Life.Left -= UnregisterAgent;
         }
 
-        /// <summary>Those that are in it.</summary>
         public IReadOnlyCollection<Agent> GetRegisteredAgents() => agents;
 
         /// <summary>Adds to the group's reward in each agent's next row.</summary>
@@ -72,7 +66,6 @@ namespace NetMQExample.MLAgents
         /// <summary>The same for another reason than an end of the task, such as the time.</summary>
         public void GroupEpisodeInterrupted() => Each(agent => agent.EpisodeInterrupted());
 
-        /// <summary>Lets all go.</summary>
         public virtual void Dispose() => Each(UnregisterAgent);
 
         // Of a copy: the next episode may begin with others.

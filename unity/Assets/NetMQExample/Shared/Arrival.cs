@@ -12,11 +12,9 @@ namespace NetMQExample
     [Serializable]
     public sealed class Arrival<T> : UnityEvent<T>
     {
-        /// <summary>For scripts.</summary>
         public event Action<T> Raised;
 
         /// <summary>Calls what is wired, then the scripts. For the main thread.</summary>
-        /// <param name="value">What has arrived.</param>
         public void Raise(T value)
         {
             Invoke(value);

@@ -16,15 +16,11 @@ namespace NetMQExample
         /// <summary>From -1, down, to 1, up.</summary>
         public static float Vertical => Axis("Vertical");
 
-        /// <summary>Whether the space bar is down.</summary>
         public static bool Space => IsDown(KeyCode.Space);
-
-        /// <summary>Whether Enter is down.</summary>
         public static bool Enter => IsDown(KeyCode.Return);
 
 #if ENABLE_LEGACY_INPUT_MANAGER
         private static float Axis(string name) => Input.GetAxis(name);
-
         private static bool IsDown(KeyCode key) => Input.GetKey(key);
 #elif NETMQEXAMPLE_INPUT_SYSTEM
         private static float Axis(string name) => name == "Vertical"
@@ -32,7 +28,6 @@ namespace NetMQExample
             : Either(Key.RightArrow, Key.D) - Either(Key.LeftArrow, Key.A);
 
         private static int Either(Key one, Key other) => IsDown(one) || IsDown(other) ? 1 : 0;
-
         private static bool IsDown(KeyCode key) => IsDown(key == KeyCode.Space ? Key.Space : Key.Enter);
 
         // A headset has no keyboard.
@@ -42,7 +37,6 @@ namespace NetMQExample
             + "Settings, Player, Active Input Handling to Both");
 
         private static float Axis(string name) => 0;
-
         private static bool IsDown(KeyCode key) => false;
 #endif
     }

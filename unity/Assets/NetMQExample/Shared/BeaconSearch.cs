@@ -77,7 +77,6 @@ namespace NetMQExample
 
         /// <summary>The cure where nothing came: the network, as long as nobody has answered.</summary>
         /// <param name="otherwise">The cure in any other case.</param>
-        /// <returns>A question.</returns>
         public string Cure(string otherwise)
         {
             if (vain == 0) return otherwise;

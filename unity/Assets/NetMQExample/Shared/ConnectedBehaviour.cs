@@ -31,7 +31,6 @@ namespace NetMQExample
 
         /// <summary>The inspector's seconds as a time.</summary>
         /// <param name="timeout">More than 0, and a day at the most.</param>
-        /// <returns>The same.</returns>
         protected static TimeSpan Seconds(float timeout) => timeout > 0 && timeout <= 86400
             ? TimeSpan.FromSeconds(timeout)
             : throw new ArgumentException($"timeout must be more than 0 s and at most a day, not {timeout}");
@@ -44,7 +43,6 @@ namespace NetMQExample
             Debug.LogError($"gave up: {why}");
         }
 
-        /// <summary>Begins.</summary>
         protected virtual void OnEnable()
         {
             // Enabled while the game is paused, it has begun already.

@@ -28,7 +28,6 @@ namespace NetMQExample
         }
 
         /// <summary>Makes any of Unity's shapes.</summary>
-        /// <param name="type">Which.</param>
         /// <param name="colour">Of all sides; none: white.</param>
         /// <param name="parent">The object that it moves with.</param>
         public static Transform Shape(PrimitiveType type, Color32? colour = null, Transform parent = null)

@@ -7,7 +7,6 @@ namespace NetMQExample
     /// <summary>It was refused or aborted. The message says by whom and why.</summary>
     public sealed class GaveUpException : IOException
     {
-        /// <summary>With cause and cure, in one line.</summary>
         public GaveUpException(string message) : base(message) { }
     }
 }

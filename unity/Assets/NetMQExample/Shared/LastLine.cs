@@ -25,7 +25,6 @@ namespace NetMQExample
         }
 
         private void OnDisable() => Application.logMessageReceived -= Show;
-
         private void Show(string line, string stack, LogType type) => mesh.text = Wrapped(line);
 
         /// <summary>The same in lines that fit, for a text that does not wrap by itself.</summary>

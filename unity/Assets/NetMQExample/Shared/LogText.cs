@@ -11,7 +11,6 @@ namespace NetMQExample
     {
         /// <summary>The text of an exception on the network thread. Those of this kit name cause and cure in one
         /// line; of all others the type and the stack are needed too, above all in a build on a device.</summary>
-        /// <param name="e">The exception.</param>
         /// <returns>Its message, or everything that is known of it.</returns>
         public static string Why(Exception e) =>
             e is TimeoutException || e is ArgumentException || e is IOException || e is OperationCanceledException

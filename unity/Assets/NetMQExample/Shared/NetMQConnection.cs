@@ -134,7 +134,6 @@ namespace NetMQExample
         }
 
         /// <summary>Makes the exception for when nothing came, or there was nowhere to send to.</summary>
-        /// <param name="endpoint">The server.</param>
         /// <param name="timeout">How long it was waited for.</param>
         /// <param name="cure">The cure, as a question.</param>
         /// <returns>Cause and cure, in one line.</returns>
@@ -142,20 +141,16 @@ namespace NetMQExample
             string cure = "is the server running, or its reply over 64 KB?") => new TimeoutException(
             FormattableString.Invariant($"no reply from {endpoint} within {timeout.TotalSeconds} s; {cure}"));
 
-        /// <summary>The same for this connection.</summary>
         public TimeoutException NoReply(TimeSpan timeout) =>
             NoReply(endpoint, timeout, Cure($"is the server running, or its reply over {maxBytes >> 10} KB?"));
 
         /// <summary>The cure where nothing came: the network, as long as a beacon has not answered.</summary>
         /// <param name="otherwise">The cure in any other case.</param>
-        /// <returns>A question.</returns>
         public string Cure(string otherwise) => search?.Cure(otherwise) ?? otherwise;
 
-        /// <summary>How often it was tried, in words.</summary>
         public static string Tries(int tries) => tries == 1 ? "1 try" : $"{tries} tries";
 
         /// <summary>Makes the exception for calls after Dispose.</summary>
-        /// <param name="endpoint">The server.</param>
         /// <returns>Cause and cure, in one line.</returns>
         public static ObjectDisposedException Disposed(string endpoint) =>
             new ObjectDisposedException(null, $"what was connected to {endpoint} is disposed; make a new one");
@@ -185,13 +180,11 @@ namespace NetMQExample
 
         /// <summary>Shows a message to whoever looks. The compiler leaves out the calls, with all that is made for
         /// them, where it does not compile for the editor.</summary>
-        /// <param name="endpoint">The server.</param>
         /// <param name="sent">Or received.</param>
         /// <param name="frames">Texts, bytes, or what NetMQ has them in.</param>
         [Conditional("UNITY_EDITOR")]
         public static void Show(string endpoint, bool sent, IEnumerable frames) => Seen?.Invoke(endpoint, sent, frames);
 
-        /// <summary>The same for a message of this connection.</summary>
         [Conditional("UNITY_EDITOR")]
         public void Show(bool sent, IEnumerable frames) => Show(endpoint, sent, frames);
 
@@ -233,7 +226,6 @@ namespace NetMQExample
             return false;
         }
 
-        /// <summary>Closes the socket, with what it has not sent yet.</summary>
         public void Close()
         {
             Close(socket);
@@ -266,7 +258,6 @@ namespace NetMQExample
             return true;
         }
 
-        /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose()
         {
             disposed = true;

@@ -31,7 +31,6 @@ namespace NetMQExample
         private Run run;
         private bool silent, updated;
 
-        /// <inheritdoc/>
         public override bool Done => run != null && !run.Thread.IsAlive && run.ForUpdate.Count == 0;
 
         /// <summary>Whether something is still to be done in Update, such as to log a line. Disabling the component
@@ -46,13 +45,9 @@ namespace NetMQExample
         protected abstract void Talk(CancellationToken stop);
 
         /// <summary>Logs a line in Update. For any thread.</summary>
-        /// <param name="line">The line.</param>
         protected void Log(string line) => InUpdate(() => Debug.Log(line));
 
         /// <summary>Raises an event in Update, after the lines logged before. For any thread.</summary>
-        /// <param name="arrival">The event.</param>
-        /// <param name="value">What has arrived.</param>
-        /// <typeparam name="T">Its type.</typeparam>
         protected void Arrive<T>(Arrival<T> arrival, T value) => InUpdate(() => arrival.Raise(value));
 
         /// <summary>Has something done in Update, and waits while much else is to be done there. For any thread; on
@@ -79,8 +74,6 @@ namespace NetMQExample
 
         /// <summary>Has something made in Update, and waits for it. For the network thread.</summary>
         /// <param name="make">It may touch the scene.</param>
-        /// <typeparam name="T">The type of the result.</typeparam>
-        /// <returns>The result.</returns>
         protected T FromUpdate<T>(Func<T> make)
         {
             var task = new Task<T>(make);
@@ -93,8 +86,6 @@ namespace NetMQExample
         /// <summary>Receives, for the network thread. An outage ends nothing: it is logged once, until something comes.
         /// </summary>
         /// <param name="receive">It throws a TimeoutException if nothing comes.</param>
-        /// <param name="received">The message.</param>
-        /// <typeparam name="T">Its type.</typeparam>
         /// <returns>False if nothing came.</returns>
         protected bool TryReceive<T>(Func<T> receive, out T received)
         {
@@ -113,7 +104,6 @@ namespace NetMQExample
             }
         }
 
-        /// <summary>Starts the thread.</summary>
         protected override void Begin()
         {
             // A component that was destroyed just now gets no OnApplicationQuit, and its thread may still be ending.

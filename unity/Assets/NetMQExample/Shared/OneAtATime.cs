@@ -26,7 +26,6 @@ namespace NetMQExample
                 $"this {name} has not ended what it does: wait for that, or make a second {name}");
         }
 
-        /// <summary>Ends the call.</summary>
         public void Dispose() => Volatile.Write(ref underWay, 0);
     }
 }

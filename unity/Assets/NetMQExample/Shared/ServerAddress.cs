@@ -16,7 +16,6 @@ namespace NetMQExample
     /// <summary>An asset in a folder Resources, named like <see cref="File"/>.</summary>
     public sealed class ServerAddress : ScriptableObject
     {
-        /// <summary>How the asset is called.</summary>
         public const string File = "NetMQServerAddress";
 
         [SerializeField, Tooltip("The servers' machine, such as 192.168.1.20, or beacon://NAME to look for it")]

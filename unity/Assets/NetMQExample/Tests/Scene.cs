@@ -15,7 +15,6 @@ namespace NetMQExample.Tests
             BindingFlags.Instance | BindingFlags.Public | BindingFlags.NonPublic | BindingFlags.DeclaredOnly;
 
         /// <summary>An object with this component, whose every endpoint is the one given.</summary>
-        /// <param name="client">The component.</param>
         /// <param name="beside">One that it needs, or null.</param>
         /// <param name="endpoint">Its server.</param>
         /// <param name="fields">Other fields to set, if it has them.</param>

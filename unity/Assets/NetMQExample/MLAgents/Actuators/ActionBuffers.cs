@@ -12,10 +12,8 @@ namespace NetMQExample.MLAgents.Actuators
     /// <summary>The actions that an agent gets, or that its Heuristic writes.</summary>
     public readonly struct ActionBuffers
     {
-        /// <summary>No actions.</summary>
         public static ActionBuffers Empty = new ActionBuffers(ActionSegment<float>.Empty, ActionSegment<int>.Empty);
 
-        /// <summary>Of two segments.</summary>
         public ActionBuffers(ActionSegment<float> continuousActions, ActionSegment<int> discreteActions)
         {
             ContinuousActions = continuousActions;
@@ -30,32 +28,25 @@ namespace NetMQExample.MLAgents.Actuators
         public ActionBuffers(ActionSpec actionSpec)
             : this(new float[actionSpec.NumContinuousActions], new int[actionSpec.NumDiscreteActions]) { }
 
-        /// <summary>Numbers without limits.</summary>
         public ActionSegment<float> ContinuousActions { get; }
-
-        /// <summary>The choice of each branch.</summary>
         public ActionSegment<int> DiscreteActions { get; }
 
         /// <summary>Choices that are written as floats; null: none.</summary>
         public static ActionBuffers FromDiscreteActions(float[] discreteActions) =>
             new ActionBuffers(null, discreteActions?.Select(action => (int)action).ToArray());
 
-        /// <summary>Makes all of them 0.</summary>
         public void Clear()
         {
             ContinuousActions.Clear();
             DiscreteActions.Clear();
         }
 
-        /// <summary>Whether there are none.</summary>
         public bool IsEmpty() => ContinuousActions.IsEmpty() && DiscreteActions.IsEmpty();
 
-        /// <inheritdoc/>
         public override bool Equals(object obj) =>
             obj is ActionBuffers other && ContinuousActions.SequenceEqual(other.ContinuousActions)
             && DiscreteActions.SequenceEqual(other.DiscreteActions);
 
-        /// <inheritdoc/>
         public override int GetHashCode() => (ContinuousActions.Length, DiscreteActions.Length).GetHashCode();
     }
 
@@ -64,13 +55,8 @@ namespace NetMQExample.MLAgents.Actuators
     public readonly struct ActionSegment<T> : IEnumerable<T>, IEquatable<ActionSegment<T>>
         where T : struct
     {
-        /// <summary>Where it begins in the array.</summary>
         public readonly int Offset;
-
-        /// <summary>How many actions there are.</summary>
         public readonly int Length;
-
-        /// <summary>One without actions.</summary>
         public static ActionSegment<T> Empty = new ActionSegment<T>(null);
 
         /// <summary>All of an array; null: none.</summary>
@@ -95,13 +81,9 @@ namespace NetMQExample.MLAgents.Actuators
         /// <exception cref="IndexOutOfRangeException">There are fewer.</exception>
         public T this[int index] { get => Array[Place(index)]; set => Array[Place(index)] = value; }
 
-        /// <summary>Makes all of them 0.</summary>
         public void Clear() => Array.AsSpan(Offset, Length).Clear();
-
-        /// <summary>Whether its array is empty.</summary>
         public bool IsEmpty() => Array == null || Array.Length == 0;
 
-        /// <inheritdoc/>
         public IEnumerator<T> GetEnumerator()
         {
             for (var i = 0; i < Length; i++) yield return Array[Offset + i];
@@ -109,14 +91,10 @@ namespace NetMQExample.MLAgents.Actuators
 
         IEnumerator IEnumerable.GetEnumerator() => GetEnumerator();
 
-        /// <summary>Whether it is the same part of an equal array.</summary>
         public bool Equals(ActionSegment<T> other) => Offset == other.Offset && Length == other.Length
             && (Array ?? Empty.Array).SequenceEqual(other.Array ?? Empty.Array);
 
-        /// <inheritdoc/>
         public override bool Equals(object obj) => obj is ActionSegment<T> other && Equals(other);
-
-        /// <inheritdoc/>
         public override int GetHashCode() => (Offset, Length).GetHashCode();
 
         private int Place(int index) => index >= 0 && index < Length ? Offset + index

@@ -33,7 +33,6 @@ namespace NetMQExample.MLAgents.Actuators
             forbidden = new byte[branchSizes.Sum()];
         }
 
-        /// <summary>Whether any choice is forbidden.</summary>
         public bool Any => Array.IndexOf(forbidden, (byte)1) >= 0;
 
         /// <summary>As they stand in a record.</summary>
@@ -52,7 +51,6 @@ namespace NetMQExample.MLAgents.Actuators
             foreach (var index in actionIndices) SetActionEnabled(branch, index, false);
         }
 
-        /// <summary>Allows all.</summary>
         public void Clear() => Array.Clear(forbidden, 0, forbidden.Length);
 
         /// <exception cref="UnityAgentsException">A branch has no choice left.</exception>

@@ -8,16 +8,9 @@ namespace NetMQExample.MLAgents.Demonstrations
     [AddComponentMenu("")]
     public class DemonstrationRecorder : MonoBehaviour
     {
-        /// <summary>Whether it should record.</summary>
         [FormerlySerializedAs("record")] public bool Record;
-
-        /// <summary>After how many steps it should stop.</summary>
         public int NumStepsToRecord;
-
-        /// <summary>The name of its file.</summary>
         [FormerlySerializedAs("demonstrationName")] public string DemonstrationName;
-
-        /// <summary>The folder of its file.</summary>
         [FormerlySerializedAs("demonstrationDirectory")] public string DemonstrationDirectory;
 
         private bool said;

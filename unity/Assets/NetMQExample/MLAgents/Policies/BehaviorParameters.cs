@@ -19,7 +19,6 @@ namespace NetMQExample.MLAgents.Policies
         [SerializeField, Tooltip("Is kept and not run")] private Object m_Model;
         [SerializeField, Tooltip("Is kept and not used")] private InferenceDevice m_InferenceDevice;
         [SerializeField, Tooltip("Default: Python, else Heuristic")] private BehaviorType m_BehaviorType;
-        /// <summary>Which team it plays for.</summary>
         [FormerlySerializedAs("m_TeamID"), Tooltip("Which team it plays for")] public int TeamId;
         [SerializeField, FormerlySerializedAs("m_useChildSensors"), Tooltip("Sensors of its children are its own")]
         private bool m_UseChildSensors = true;
@@ -39,32 +38,19 @@ namespace NetMQExample.MLAgents.Policies
         /// <summary>A model of any inference package. It is not run.</summary>
         public Object Model { get => m_Model; set => Set(ref m_Model, value); }
 
-        /// <summary>Nothing here depends on it.</summary>
         public InferenceDevice InferenceDevice { get => m_InferenceDevice; set => m_InferenceDevice = value; }
-
-        /// <summary>Who decides.</summary>
         public BehaviorType BehaviorType { get => m_BehaviorType; set => Set(ref m_BehaviorType, value); }
-
-        /// <summary>The name of its behavior, without the team.</summary>
         public string BehaviorName { get => m_BehaviorName; set => Set(ref m_BehaviorName, value); }
-
-        /// <summary>Whether sensors of its child objects are its own.</summary>
         public bool UseChildSensors { get => m_UseChildSensors; set => m_UseChildSensors = value; }
-
-        /// <summary>Nothing here depends on it.</summary>
         public bool UseChildActuators { get => m_UseChildActuators; set => m_UseChildActuators = value; }
-
-        /// <summary>Nothing here depends on it.</summary>
         public bool DeterministicInference { get => m_DeterministicInference; set => m_DeterministicInference = value; }
 
-        /// <summary>Which members with [Observable] it sees.</summary>
         public ObservableAttributeOptions ObservableAttributeHandling
         {
             get => m_ObservableAttributeHandling;
             set => m_ObservableAttributeHandling = value;
         }
 
-        /// <summary>The name of its behavior as Python has it.</summary>
         public string FullyQualifiedBehaviorName => $"{m_BehaviorName}?team={TeamId}";
 
         /// <summary>Whether the agent's Heuristic decides: so it does in place of a model, too.</summary>

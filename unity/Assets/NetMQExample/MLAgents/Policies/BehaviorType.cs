@@ -18,15 +18,11 @@ namespace NetMQExample.MLAgents.Policies
     /// <summary>Where a model would run. Nothing here depends on it.</summary>
     public enum InferenceDevice
     {
-        /// <summary>As the inference package likes.</summary>
         Default = 0,
-        /// <summary>On the graphics card.</summary>
         GPU = 1,
         /// <summary>The name of 3.0 for it.</summary>
         ComputeShader = 1,
-        /// <summary>On the processor, compiled.</summary>
         Burst = 2,
-        /// <summary>On the processor.</summary>
         CPU = 3,
         /// <summary>The name of 3.0 for the same number.</summary>
         PixelShader = 3,

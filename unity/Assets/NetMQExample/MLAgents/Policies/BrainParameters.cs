@@ -18,9 +18,7 @@ namespace NetMQExample.MLAgents.Policies
         [FormerlySerializedAs("numStackedVectorObservations"), Range(1, 50)]
         public int NumStackedVectorObservations = 1;
 
-        /// <summary>Words for a person.</summary>
         [FormerlySerializedAs("vectorActionDescriptions")] public string[] VectorActionDescriptions;
-
         [SerializeField] internal ActionSpec m_ActionSpec = new ActionSpec(0, null);
 
         // As before ML-Agents 1.8: one kind of actions alone, 0 discrete and 1 continuous.
@@ -30,7 +28,6 @@ namespace NetMQExample.MLAgents.Policies
         internal int VectorActionSpaceType;
         [SerializeField, HideInInspector] internal bool hasUpgradedBrainParametersWithActionSpec;
 
-        /// <summary>Which actions there are.</summary>
         public ActionSpec ActionSpec
         {
             get => m_ActionSpec;
@@ -50,10 +47,8 @@ namespace NetMQExample.MLAgents.Policies
             ActionSpec = new ActionSpec(m_ActionSpec.NumContinuousActions, (int[])m_ActionSpec.BranchSizes?.Clone()),
         };
 
-        /// <inheritdoc/>
         public void OnBeforeSerialize() => OnAfterDeserialize();
 
-        /// <inheritdoc/>
         public void OnAfterDeserialize()
         {
             var old = !hasUpgradedBrainParametersWithActionSpec && VectorActionSize?.Length > 0

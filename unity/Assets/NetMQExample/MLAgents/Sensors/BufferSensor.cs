@@ -10,7 +10,6 @@ namespace NetMQExample.MLAgents.Sensors
         private readonly float[] rows;
         private int count;
 
-        /// <summary>With its sizes.</summary>
         public BufferSensor(int maxNumberObs, int obsSize, string name)
             : base(name, ObservationSpec.VariableLength(maxNumberObs, obsSize))
         {
@@ -32,17 +31,14 @@ namespace NetMQExample.MLAgents.Sensors
             count++;
         }
 
-        /// <inheritdoc/>
         public override int Write(ObservationWriter writer)
         {
             writer.AddList(rows);
             return rows.Length;
         }
 
-        /// <inheritdoc/>
         public override void Update() => Reset();
 
-        /// <inheritdoc/>
         public override void Reset()
         {
             count = 0;

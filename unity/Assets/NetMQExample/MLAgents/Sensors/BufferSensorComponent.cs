@@ -13,23 +13,16 @@ namespace NetMQExample.MLAgents.Sensors
 
         private BufferSensor sensor;
 
-        /// <summary>Its name.</summary>
         public string SensorName { get => m_SensorName; set => m_SensorName = value; }
-
-        /// <summary>How many numbers a row has.</summary>
         public int ObservableSize { get => m_ObservableSize; set => m_ObservableSize = value; }
-
-        /// <summary>How many rows there are at the most.</summary>
         public int MaxNumObservables { get => m_MaxNumObservables; set => m_MaxNumObservables = value; }
 
-        /// <inheritdoc/>
         public override ISensor[] CreateSensors()
         {
             sensor = new BufferSensor(m_MaxNumObservables, m_ObservableSize, m_SensorName);
             return new ISensor[] { sensor };
         }
 
-        /// <summary>Adds a row.</summary>
         public void AppendObservation(float[] obs) => sensor.AppendObservation(obs);
     }
 }

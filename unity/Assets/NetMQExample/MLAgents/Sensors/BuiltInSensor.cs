@@ -16,25 +16,13 @@ namespace NetMQExample.MLAgents.Sensors
             this.spec = spec;
         }
 
-        /// <inheritdoc/>
         public abstract int Write(ObservationWriter writer);
 
-        /// <inheritdoc/>
         public virtual void Update() { }
-
-        /// <inheritdoc/>
         public virtual void Reset() { }
-
-        /// <inheritdoc/>
         public ObservationSpec GetObservationSpec() => spec;
-
-        /// <inheritdoc/>
         public string GetName() => name;
-
-        /// <inheritdoc/>
         public virtual byte[] GetCompressedObservation() => null;
-
-        /// <inheritdoc/>
         public CompressionSpec GetCompressionSpec() => CompressionSpec.Default();
     }
 
@@ -44,7 +32,6 @@ namespace NetMQExample.MLAgents.Sensors
         /// <summary>Whether each byte is a number, [channels, height, width].</summary>
         bool IsPicture { get; }
 
-        /// <summary>Writes them.</summary>
         void WriteRow(Span<byte> to);
     }
 
@@ -54,8 +41,6 @@ namespace NetMQExample.MLAgents.Sensors
         private static readonly ObservationWriter Writer = new ObservationWriter();
 
         public static bool IsPicture(ISensor sensor) => sensor is IRow row && row.IsPicture;
-
-        /// <summary>How many bytes its array has.</summary>
         public static int Size(ISensor sensor) => sensor.ObservationSize() * (IsPicture(sensor) ? 1 : sizeof(float));
 
         public static void Write(ISensor sensor, FrameBuffer to)

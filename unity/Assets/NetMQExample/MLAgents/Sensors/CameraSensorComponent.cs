@@ -23,34 +23,16 @@ namespace NetMQExample.MLAgents.Sensors
 
         private CameraSensor sensor;
 
-        /// <summary>The camera.</summary>
         public Camera Camera { get => m_Camera; set => Set(ref m_Camera, value); }
-
-        /// <summary>Its name.</summary>
         public string SensorName { get => m_SensorName; set => m_SensorName = value; }
-
-        /// <summary>In pixels.</summary>
         public int Width { get => m_Width; set => m_Width = value; }
-
-        /// <summary>In pixels.</summary>
         public int Height { get => m_Height; set => m_Height = value; }
-
-        /// <summary>Whether there is one channel in place of three.</summary>
         public bool Grayscale { get => m_Grayscale; set => m_Grayscale = value; }
-
-        /// <summary>Its purpose.</summary>
         public ObservationType ObservationType { get => m_ObservationType; set => m_ObservationType = value; }
-
-        /// <summary>Whether the camera draws on the screen as well.</summary>
         public bool RuntimeCameraEnable { get => m_RuntimeCameraEnable; set => Set(ref m_RuntimeCameraEnable, value); }
-
-        /// <summary>How many pictures go together.</summary>
         public int ObservationStacks { get => m_ObservationStacks; set => m_ObservationStacks = value; }
-
-        /// <summary>Nothing here depends on it.</summary>
         public SensorCompressionType CompressionType { get => m_Compression; set => Set(ref m_Compression, value); }
 
-        /// <inheritdoc/>
         public override ISensor[] CreateSensors()
         {
             if (m_Camera == null)

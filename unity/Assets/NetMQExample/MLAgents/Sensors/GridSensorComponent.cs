@@ -7,7 +7,6 @@ namespace NetMQExample.MLAgents.Sensors
     [AddComponentMenu("")]
     public class GridSensorComponent : SensorComponent
     {
-        /// <inheritdoc/>
         public override ISensor[] CreateSensors()
         {
             Debug.LogError($"{name}: a Grid Sensor does not see here: use a Ray Perception Sensor, or write a "

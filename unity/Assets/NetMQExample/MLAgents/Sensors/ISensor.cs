@@ -26,7 +26,6 @@ namespace NetMQExample.MLAgents.Sensors
         /// <summary>A decision or the end of an episode is near: time to look.</summary>
         void Update();
 
-        /// <summary>An episode is over.</summary>
         void Reset();
 
         /// <summary>Nobody calls it: observations are sent as they are.</summary>
@@ -39,7 +38,6 @@ namespace NetMQExample.MLAgents.Sensors
     /// <summary>The size, which follows from a sensor's methods.</summary>
     public static class SensorExtensions
     {
-        /// <summary>How many numbers its array has.</summary>
         public static int ObservationSize(this ISensor sensor)
         {
             var shape = sensor.GetObservationSpec().Shape;
@@ -52,29 +50,24 @@ namespace NetMQExample.MLAgents.Sensors
     /// <summary>The ways to send a picture. All are sent as they are.</summary>
     public enum SensorCompressionType
     {
-        /// <summary>As it is.</summary>
         None,
-        /// <summary>A PNG.</summary>
         PNG,
     }
 
     /// <summary>How a sensor of ML-Agents is compressed. Nothing here depends on it.</summary>
     public struct CompressionSpec
     {
-        /// <summary>With ML-Agents' parameters.</summary>
         public CompressionSpec(SensorCompressionType sensorCompressionType, int[] compressedChannelMapping = null)
         {
             SensorCompressionType = sensorCompressionType;
             CompressedChannelMapping = compressedChannelMapping;
         }
 
-        /// <summary>The way.</summary>
         public SensorCompressionType SensorCompressionType { get; }
 
         /// <summary>The order of channels, or null.</summary>
         public int[] CompressedChannelMapping { get; }
 
-        /// <summary>None.</summary>
         public static CompressionSpec Default() => new CompressionSpec(SensorCompressionType.None);
     }
 }

@@ -3,7 +3,6 @@ using System;
 
 namespace NetMQExample.MLAgents.Sensors
 {
-    /// <summary>The nature of a dimension, for trainers.</summary>
     [Flags]
     public enum DimensionProperty
     {
@@ -17,10 +16,8 @@ namespace NetMQExample.MLAgents.Sensors
         VariableSize = 4,
     }
 
-    /// <summary>The purpose of an observation.</summary>
     public enum ObservationType
     {
-        /// <summary>It is seen.</summary>
         Default = 0,
         /// <summary>It is the agent's task.</summary>
         GoalSignal = 1,
@@ -43,19 +40,11 @@ namespace NetMQExample.MLAgents.Sensors
             ObservationType = observationType;
         }
 
-        /// <summary>The size of each dimension.</summary>
         public int[] Shape { get; }
-
-        /// <summary>The property of each dimension.</summary>
         public DimensionProperty[] DimensionProperties { get; }
-
-        /// <summary>Its purpose.</summary>
         public ObservationType ObservationType { get; }
-
-        /// <summary>How many dimensions it has.</summary>
         public int Rank => Shape.Length;
 
-        /// <summary>Numbers in a row.</summary>
         public static ObservationSpec Vector(int length, ObservationType obsType = ObservationType.Default) =>
             new ObservationSpec(new[] { length }, new[] { DimensionProperty.None }, obsType);
 
@@ -63,7 +52,6 @@ namespace NetMQExample.MLAgents.Sensors
         public static ObservationSpec VariableLength(int obsSize, int maxNumObs) => new ObservationSpec(
             new[] { obsSize, maxNumObs }, new[] { DimensionProperty.VariableSize, DimensionProperty.None });
 
-        /// <summary>A picture.</summary>
         public static ObservationSpec Visual(
             int channels, int height, int width, ObservationType obsType = ObservationType.Default)
         {

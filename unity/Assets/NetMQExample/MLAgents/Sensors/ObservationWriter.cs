@@ -12,28 +12,20 @@ namespace NetMQExample.MLAgents.Sensors
         private float[] numbers = new float[0];
         private int size, height, width;
 
-        /// <summary>A number of a vector.</summary>
         public float this[int index] { set => numbers[Within(index, size)] = value; }
-
-        /// <summary>A number of an array of rows.</summary>
         public float this[int ch, int w] { set => this[(ch * width) + Within(w, width)] = value; }
 
         /// <summary>A number of a picture, from 0 to 1; the highest row is 0.</summary>
         public float this[int ch, int h, int w] { set => this[(ch * height) + Within(h, height), w] = value; }
 
-        /// <summary>Writes numbers, one after the other.</summary>
         public void AddList(IList<float> data, int writeOffset = 0)
         {
             for (var i = 0; i < data.Count; i++) this[writeOffset + i] = data[i];
         }
 
-        /// <summary>Writes x, y and z.</summary>
         public void Add(Vector3 vec, int writeOffset = 0) => AddList(new[] { vec.x, vec.y, vec.z }, writeOffset);
-
-        /// <summary>Writes x, y, z and w.</summary>
         public void Add(Vector4 vec, int writeOffset = 0) => AddList(new[] { vec.x, vec.y, vec.z, vec.w }, writeOffset);
 
-        /// <summary>Writes x, y, z and w.</summary>
         public void Add(Quaternion quat, int writeOffset = 0) =>
             Add(new Vector4(quat.x, quat.y, quat.z, quat.w), writeOffset);
 

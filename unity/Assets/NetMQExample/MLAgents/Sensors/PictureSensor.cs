@@ -26,16 +26,11 @@ namespace NetMQExample.MLAgents.Sensors
             copy = new Texture2D(from.width, from.height, TextureFormat.RGBA32, false);
         }
 
-        /// <summary>Nothing here depends on it: pictures are sent as they are.</summary>
         public SensorCompressionType CompressionType { get; set; }
-
         bool IRow.IsPicture => true;
-
         internal static bool HasGraphics => SystemInfo.graphicsDeviceType != GraphicsDeviceType.Null;
-
         internal RenderTexture Texture { get; }
 
-        /// <inheritdoc/>
         public override int Write(ObservationWriter writer)
         {
             Read();
@@ -49,7 +44,6 @@ namespace NetMQExample.MLAgents.Sensors
             picture.CopyTo(to);
         }
 
-        /// <summary>Destroys its textures.</summary>
         public virtual void Dispose() => Object.Destroy(copy);
 
         private void Read()
@@ -78,16 +72,13 @@ namespace NetMQExample.MLAgents.Sensors
     /// before.</summary>
     public class CameraSensor : PictureSensor
     {
-        /// <summary>With its camera, and the size of its picture.</summary>
         public CameraSensor(Camera camera, int width, int height, bool grayscale, string name,
             SensorCompressionType compression, ObservationType observationType = ObservationType.Default)
             : base(name, Surface(width, height), grayscale, compression, observationType) =>
             Camera = Require.Given("camera", camera);
 
-        /// <summary>The camera.</summary>
         public Camera Camera { get; set; }
 
-        /// <inheritdoc/>
         public override void Update()
         {
             if (!HasGraphics) return;
@@ -97,7 +88,6 @@ namespace NetMQExample.MLAgents.Sensors
             (Camera.targetTexture, Camera.rect) = (target, part);
         }
 
-        /// <inheritdoc/>
         public override void Dispose()
         {
             base.Dispose();
@@ -111,7 +101,6 @@ namespace NetMQExample.MLAgents.Sensors
     /// <summary>The picture in a render texture, which somebody else draws.</summary>
     public class RenderTextureSensor : PictureSensor
     {
-        /// <summary>With its texture.</summary>
         public RenderTextureSensor(
             RenderTexture renderTexture, bool grayscale, string name, SensorCompressionType compressionType)
             : base(name, Require.Given("renderTexture", renderTexture), grayscale, compressionType,

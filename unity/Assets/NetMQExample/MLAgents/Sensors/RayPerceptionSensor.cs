@@ -15,7 +15,6 @@ namespace NetMQExample.MLAgents.Sensors
         private readonly float[] numbers;
         private RayPerceptionInput input;
 
-        /// <summary>With its name and its rays.</summary>
         public RayPerceptionSensor(string name, RayPerceptionInput rayInput)
             : base(name, ObservationSpec.Vector(rayInput.OutputSize()))
         {
@@ -23,7 +22,6 @@ namespace NetMQExample.MLAgents.Sensors
             numbers = new float[input.OutputSize()];
         }
 
-        /// <summary>The last results of its rays.</summary>
         public RayPerceptionOutput RayPerceptionOutput { get; } = new RayPerceptionOutput();
 
         /// <summary>Casts rays now.</summary>
@@ -36,10 +34,8 @@ namespace NetMQExample.MLAgents.Sensors
             return output;
         }
 
-        /// <inheritdoc/>
         public override void Update() => Cast(input, RayPerceptionOutput);
 
-        /// <inheritdoc/>
         public override int Write(ObservationWriter writer)
         {
             Array.Clear(numbers, 0, numbers.Length);
@@ -114,9 +110,7 @@ namespace NetMQExample.MLAgents.Sensors
     /// <summary>Whether rays meet colliders of 2D or of 3D.</summary>
     public enum RayPerceptionCastType
     {
-        /// <summary>Rays in the plane of x and y.</summary>
         Cast2D,
-        /// <summary>Rays in the plane of x and z.</summary>
         Cast3D,
     }
 
@@ -126,37 +120,24 @@ namespace NetMQExample.MLAgents.Sensors
         /// <summary>In metres; where the thing has the scale 2, they are twice as long.</summary>
         public float RayLength;
 
-        /// <summary>The tags that they tell apart.</summary>
         public IReadOnlyList<string> DetectableTags;
 
         /// <summary>The direction of each, in degrees: 0 to the right, 90 ahead.</summary>
         public IReadOnlyList<float> Angles;
 
-        /// <summary>How much higher they begin; 3D only.</summary>
         public float StartOffset;
-
-        /// <summary>How much higher they end; 3D only.</summary>
         public float EndOffset;
 
         /// <summary>How thick they are, in metres; 0: as thin as a ray.</summary>
         public float CastRadius;
 
-        /// <summary>The thing.</summary>
         public Transform Transform;
-
-        /// <summary>2D or 3D.</summary>
         public RayPerceptionCastType CastType;
-
-        /// <summary>The layers that they meet.</summary>
         public int LayerMask;
-
-        /// <summary>Nothing here depends on it.</summary>
         public bool UseBatchedRaycasts;
 
-        /// <summary>How many numbers they make.</summary>
         public int OutputSize() => ((DetectableTags?.Count ?? 0) + 2) * (Angles?.Count ?? 0);
 
-        /// <summary>Where a ray begins and ends.</summary>
         public (Vector3 StartPositionWorld, Vector3 EndPositionWorld) RayExtents(int rayIndex)
         {
             var angle = Mathf.Deg2Rad * Angles[rayIndex];
@@ -190,28 +171,16 @@ namespace NetMQExample.MLAgents.Sensors
         /// <summary>The result of one ray.</summary>
         public struct RayOutput
         {
-            /// <summary>Whether it has met anything.</summary>
             public bool HasHit;
-
-            /// <summary>Whether that has one of the tags.</summary>
             public bool HitTaggedObject;
-
-            /// <summary>Which one; -1: none.</summary>
             public int HitTagIndex;
 
             /// <summary>How far it came, from 0 to 1.</summary>
             public float HitFraction;
 
-            /// <summary>The thing that it has met, or null.</summary>
             public GameObject HitGameObject;
-
-            /// <summary>Where it begins.</summary>
             public Vector3 StartPositionWorld;
-
-            /// <summary>Where it would end.</summary>
             public Vector3 EndPositionWorld;
-
-            /// <summary>How thick it is, with the scale of its thing.</summary>
             public float ScaledCastRadius;
 
             /// <summary>How long it is, with the scale of its thing.</summary>

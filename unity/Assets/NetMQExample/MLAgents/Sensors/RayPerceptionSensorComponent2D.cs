@@ -7,7 +7,6 @@ namespace NetMQExample.MLAgents.Sensors
     [AddComponentMenu("NetMQ Example/ML-Agents/Ray Perception Sensor 2D")]
     public class RayPerceptionSensorComponent2D : RayPerceptionSensorComponentBase
     {
-        /// <inheritdoc/>
         public override RayPerceptionCastType GetCastType() => RayPerceptionCastType.Cast2D;
     }
 }

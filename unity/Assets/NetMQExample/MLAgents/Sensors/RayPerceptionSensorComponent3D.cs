@@ -13,19 +13,11 @@ namespace NetMQExample.MLAgents.Sensors
         [SerializeField, FormerlySerializedAs("endVerticalOffset"), Range(-10, 10), Tooltip("How high rays end")]
         private float m_EndVerticalOffset;
 
-        /// <summary>How much higher rays begin.</summary>
         public float StartVerticalOffset { get => m_StartVerticalOffset; set => Set(ref m_StartVerticalOffset, value); }
-
-        /// <summary>How much higher rays end.</summary>
         public float EndVerticalOffset { get => m_EndVerticalOffset; set => Set(ref m_EndVerticalOffset, value); }
 
-        /// <inheritdoc/>
         public override RayPerceptionCastType GetCastType() => RayPerceptionCastType.Cast3D;
-
-        /// <inheritdoc/>
         public override float GetStartVerticalOffset() => m_StartVerticalOffset;
-
-        /// <inheritdoc/>
         public override float GetEndVerticalOffset() => m_EndVerticalOffset;
     }
 }

@@ -31,56 +31,32 @@ namespace NetMQExample.MLAgents.Sensors
         [SerializeField, Tooltip("Of a ray that has met something near")] internal Color rayHitColor = Color.red;
         [SerializeField, Tooltip("Of a ray that has met nothing")] internal Color rayMissColor = Color.white;
 
-        /// <summary>Its name.</summary>
         public string SensorName { get => m_SensorName; set => m_SensorName = value; }
-
-        /// <summary>The tags that rays tell apart.</summary>
         public List<string> DetectableTags { get => m_DetectableTags; set => m_DetectableTags = value; }
-
-        /// <summary>How many rays there are to each side of the one ahead.</summary>
         public int RaysPerDirection { get => m_RaysPerDirection; set => m_RaysPerDirection = value; }
-
-        /// <summary>The angle from the ray ahead to the last one.</summary>
         public float MaxRayDegrees { get => m_MaxRayDegrees; set => Set(ref m_MaxRayDegrees, value); }
-
-        /// <summary>How thick rays are, in metres.</summary>
         public float SphereCastRadius { get => m_SphereCastRadius; set => Set(ref m_SphereCastRadius, value); }
-
-        /// <summary>How long rays are, in metres.</summary>
         public float RayLength { get => m_RayLength; set => Set(ref m_RayLength, value); }
-
-        /// <summary>The layers that rays meet.</summary>
         public LayerMask RayLayerMask { get => m_RayLayerMask; set => Set(ref m_RayLayerMask, value); }
-
-        /// <summary>How many observations go together.</summary>
         public int ObservationStacks { get => m_ObservationStacks; set => m_ObservationStacks = value; }
 
         /// <summary>Whether the order is ahead, right, left, … rather than from the right to the left.</summary>
         public bool AlternatingRayOrder { get => m_AlternatingRayOrder; set => m_AlternatingRayOrder = value; }
 
-        /// <summary>Nothing here depends on it.</summary>
         public bool UseBatchedRaycasts { get => m_UseBatchedRaycasts; set => m_UseBatchedRaycasts = value; }
-
-        /// <summary>The sensor, once the agent is enabled.</summary>
         public RayPerceptionSensor RaySensor { get; private set; }
 
-        /// <summary>2D or 3D.</summary>
         public abstract RayPerceptionCastType GetCastType();
 
-        /// <summary>How much higher rays begin.</summary>
         public virtual float GetStartVerticalOffset() => 0;
-
-        /// <summary>How much higher rays end.</summary>
         public virtual float GetEndVerticalOffset() => 0;
 
-        /// <inheritdoc/>
         public override ISensor[] CreateSensors()
         {
             RaySensor = new RayPerceptionSensor(m_SensorName, GetRayPerceptionInput());
             return new[] { StackingSensor.Of(RaySensor, m_ObservationStacks) };
         }
 
-        /// <summary>Its rays, as they are set now.</summary>
         public RayPerceptionInput GetRayPerceptionInput() => new RayPerceptionInput
         {
             RayLength = m_RayLength,

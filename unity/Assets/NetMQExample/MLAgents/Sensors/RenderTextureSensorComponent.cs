@@ -17,22 +17,12 @@ namespace NetMQExample.MLAgents.Sensors
         [SerializeField, FormerlySerializedAs("compression"), Tooltip("Is kept and not used")]
         private SensorCompressionType m_Compression = SensorCompressionType.PNG;
 
-        /// <summary>The texture.</summary>
         public RenderTexture RenderTexture { get => m_RenderTexture; set => m_RenderTexture = value; }
-
-        /// <summary>Its name.</summary>
         public string SensorName { get => m_SensorName; set => m_SensorName = value; }
-
-        /// <summary>Whether there is one channel in place of three.</summary>
         public bool Grayscale { get => m_Grayscale; set => m_Grayscale = value; }
-
-        /// <summary>How many pictures go together.</summary>
         public int ObservationStacks { get => m_ObservationStacks; set => m_ObservationStacks = value; }
-
-        /// <summary>Nothing here depends on it.</summary>
         public SensorCompressionType CompressionType { get => m_Compression; set => m_Compression = value; }
 
-        /// <inheritdoc/>
         public override ISensor[] CreateSensors()
         {
             if (m_RenderTexture == null)

@@ -7,7 +7,6 @@ namespace NetMQExample.MLAgents.Sensors
     /// <summary>Override CreateSensors. An agent calls it once, when it is enabled.</summary>
     public abstract class SensorComponent : MonoBehaviour
     {
-        /// <summary>Makes them.</summary>
         /// <exception cref="UnityAgentsException">The class overrides nothing.</exception>
         public virtual ISensor[] CreateSensors()
         {

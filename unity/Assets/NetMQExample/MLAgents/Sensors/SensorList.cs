@@ -12,8 +12,6 @@ namespace NetMQExample.MLAgents.Sensors
     {
         /// <summary>Makes those of its components, of its children's and of its members with [Observable], and the one
         /// for CollectObservations.</summary>
-        /// <param name="agent">The agent.</param>
-        /// <param name="parameters">Its settings.</param>
         /// <param name="vector">The one for CollectObservations, or null.</param>
         /// <param name="stacked">The stack of it, or null.</param>
         public static List<ISensor> Of(

@@ -27,7 +27,6 @@ namespace NetMQExample.MLAgents.Sensors
 
         bool IRow.IsPicture => SensorRows.IsPicture(wrapped);
 
-        /// <inheritdoc/>
         public override int Write(ObservationWriter writer)
         {
             Look();
@@ -42,21 +41,18 @@ namespace NetMQExample.MLAgents.Sensors
             rows.CopyTo(to);
         }
 
-        /// <inheritdoc/>
         public override void Update()
         {
             wrapped.Update();
             Array.Copy(rows, size, rows, 0, rows.Length - size);
         }
 
-        /// <inheritdoc/>
         public override void Reset()
         {
             wrapped.Reset();
             Array.Clear(rows, 0, rows.Length);
         }
 
-        /// <summary>Destroys the textures of its sensor.</summary>
         public void Dispose() => (wrapped as IDisposable)?.Dispose();
 
         // A sensor alone, or in a stack.

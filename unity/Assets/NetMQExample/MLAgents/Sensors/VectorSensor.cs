@@ -13,7 +13,6 @@ namespace NetMQExample.MLAgents.Sensors
         private readonly int size;
         private int warned;
 
-        /// <summary>With a size; without a name it is called by its size.</summary>
         public VectorSensor(
             int observationSize, string name = null, ObservationType observationType = ObservationType.Default)
             : base(string.IsNullOrEmpty(name) ? NameOf(observationSize, observationType) : name,
@@ -24,15 +23,12 @@ namespace NetMQExample.MLAgents.Sensors
             size = warned = observationSize;
         }
 
-        /// <summary>Adds a number.</summary>
         /// <exception cref="UnityAgentsException">It is not finite; so with all that add.</exception>
         public void AddObservation(float observation) =>
             numbers.Add(UnityAgentsException.Finite(observation, nameof(AddObservation)));
 
-        /// <summary>Adds a number.</summary>
         public void AddObservation(int observation) => AddObservation((float)observation);
 
-        /// <summary>Adds x, y and z.</summary>
         public void AddObservation(Vector3 observation)
         {
             AddObservation(observation.x);
@@ -40,27 +36,23 @@ namespace NetMQExample.MLAgents.Sensors
             AddObservation(observation.z);
         }
 
-        /// <summary>Adds x and y.</summary>
         public void AddObservation(Vector2 observation)
         {
             AddObservation(observation.x);
             AddObservation(observation.y);
         }
 
-        /// <summary>Adds numbers, in their order.</summary>
         public void AddObservation(IList<float> observation)
         {
             for (var i = 0; i < observation.Count; i++) AddObservation(observation[i]);
         }
 
-        /// <summary>Adds x, y, z and w.</summary>
         public void AddObservation(Quaternion observation)
         {
             AddObservation(new Vector3(observation.x, observation.y, observation.z));
             AddObservation(observation.w);
         }
 
-        /// <summary>Adds 1 for true, 0 for false.</summary>
         public void AddObservation(bool observation) => AddObservation(observation ? 1f : 0f);
 
         /// <summary>Adds so many zeros, with a 1 at the place of a choice.</summary>
@@ -69,7 +61,6 @@ namespace NetMQExample.MLAgents.Sensors
             for (var i = 0; i < range; i++) AddObservation(i == observation);
         }
 
-        /// <inheritdoc/>
         public override int Write(ObservationWriter writer)
         {
             var count = numbers.Count;
@@ -86,10 +77,7 @@ namespace NetMQExample.MLAgents.Sensors
             return size;
         }
 
-        /// <inheritdoc/>
         public override void Update() => numbers.Clear();
-
-        /// <inheritdoc/>
         public override void Reset() => numbers.Clear();
 
         private static string NameOf(int size, ObservationType type) =>

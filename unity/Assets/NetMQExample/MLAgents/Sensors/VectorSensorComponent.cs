@@ -14,26 +14,17 @@ namespace NetMQExample.MLAgents.Sensors
 
         private VectorSensor sensor;
 
-        /// <summary>Its name.</summary>
         public string SensorName { get => m_SensorName; set => m_SensorName = value; }
-
-        /// <summary>How many numbers it has.</summary>
         public int ObservationSize { get => m_ObservationSize; set => m_ObservationSize = value; }
-
-        /// <summary>Its purpose.</summary>
         public ObservationType ObservationType { get => m_ObservationType; set => m_ObservationType = value; }
-
-        /// <summary>How many of them go together.</summary>
         public int ObservationStacks { get => m_ObservationStacks; set => m_ObservationStacks = value; }
 
-        /// <inheritdoc/>
         public override ISensor[] CreateSensors()
         {
             sensor = new VectorSensor(m_ObservationSize, m_SensorName, m_ObservationType);
             return new[] { StackingSensor.Of(sensor, m_ObservationStacks) };
         }
 
-        /// <summary>The sensor, once the agent is enabled.</summary>
         public VectorSensor GetSensor() => sensor;
     }
 }

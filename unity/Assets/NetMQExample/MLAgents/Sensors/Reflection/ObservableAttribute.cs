@@ -19,7 +19,6 @@ namespace NetMQExample.MLAgents.Sensors.Reflection
             (Name, Stacks) = (name, numStackedObservations);
 
         internal string Name { get; }
-
         internal int Stacks { get; }
     }
 
