@@ -4,7 +4,7 @@
     report("unknown channel")                      logs: trouble: unknown channel (and 300 more)
 
 Many messages that are wrong must not fill a disk, so a mistake is a line a second at most. The servers of lessons 09 to
-11 report by it, and so do lesson 13's managers and carriers. In C# it is Trouble.cs.
+11 report by it, and so do lesson 13's managers and carriers. In C# it is Trouble in SideChannelManager.cs.
 """
 
 import logging

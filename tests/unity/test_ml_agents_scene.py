@@ -83,6 +83,7 @@ def test_childrens_sensors_are_left_out_where_the_inspector_says_so(world):
     ("mistake", "why"),
     [
         ("sensors=Broken", "CreateSensors of Broken on Broken has failed: no eye"),
+        ("numbers=-1", "Continuous Actions in its Behavior Parameters is -1: write 0 or more"),
         ("branches=2x0", "Branch Sizes in its Behavior Parameters has 0 at branch 1: give each branch a choice"),
     ],
 )

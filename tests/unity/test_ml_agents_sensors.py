@@ -68,6 +68,9 @@ RenderTextureSensor [3, 2, 2] uint8 0 1,2,2: 0 0 0 0 0 0 0 0 0 0 0 0
 RenderTextureSensor [3, 2, 2] uint8 0 1,2,2: 1 1 1 1 2 2 2 2 3 3 3 3
 CameraSensor sees black only, for there is no graphics card: start without -nographics
 StackingSensor_size2_CameraSensor [2, 2, 4] uint8 0 1,2,2: 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0
+Textures:
+Texture [3, 2, 2] 0 1,2,2: 0 0.2 1 0 0 0.4 0 0 0 0.8 0 0
+Texture [1, 2, 2] 0 1,2,2: 0 0.46666667 0.33333334 0
 Lists:
 VectorSensor_size3 StackingSensor_size2_VectorSensor_size3: a, b, old, Own, StackingSensor_size2_VectorSensor_size3
 Own [2, 1, 3] 0 1,2,2: 0 0 0 0 0 0.5
@@ -106,10 +109,11 @@ counted from 0
 False
 Settings:
 Ant?team=2 True
-a model:
+a model: True False True
 ant: a model does not run here, and its Heuristic decides. Let Python decide: Behavior Type Default, and \
 mlagents_learn with --resume --inference before you press Play
 4
+True
 ant: demonstrations are not recorded here: record them with Unity's package ML-Agents in another copy of the project, \
 and give mlagents_learn their .demo files
 """.strip().split("\n")

@@ -86,6 +86,21 @@ namespace UnityEngine
             return new NativeArray<T>(pixels as T[] ?? throw new NotSupportedException("the player has only bytes"));
         }
 
+        /// <summary>The lowest row first.</summary>
+        public Color32[] GetPixels32()
+        {
+            MainThread.Only(nameof(GetPixels32));
+            var size = pixels.Length / (width * height);
+            var all = new Color32[width * height];
+            for (var i = 0; i < all.Length; i++)
+            {
+                var at = size * i;
+                var alpha = size == 4 ? pixels[at + 3] : byte.MaxValue;
+                all[i] = new Color32(pixels[at], pixels[at + 1], pixels[at + 2], alpha);
+            }
+            return all;
+        }
+
         public void ReadPixels(Rect source, int destX, int destY, bool recalculateMipMaps)
         {
             MainThread.Only(nameof(ReadPixels));

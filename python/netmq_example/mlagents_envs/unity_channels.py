@@ -7,7 +7,7 @@
 
 A parameter is a number or a sampler, which draws another number each time, the same for the same seed in Python and
 C#. (Unity's own ML-Agents draws with System.Random: other numbers, spread in the same way.) Values are float32.
-In C# they are EngineSettings.cs, EnvironmentParameters.cs, Samplers.cs and StatsRecorder.cs.
+In C# they are EngineConfigurationChannel.cs, EnvironmentParameters.cs, Samplers.cs and StatsRecorder.cs.
 """
 
 import math

@@ -9,6 +9,7 @@ using System.Runtime.InteropServices;
 using NetMQExample.MLAgents;
 using NetMQExample.MLAgents.Actuators;
 using NetMQExample.MLAgents.Demonstrations;
+using NetMQExample.MLAgents.Inference;
 using NetMQExample.MLAgents.Policies;
 using NetMQExample.MLAgents.Sensors;
 using NetMQExample.MLAgents.Sensors.Reflection;
@@ -27,7 +28,8 @@ namespace MlTest
         public static int Run()
         {
             var player = new Player(typeof(NetMQLifetime).Assembly);
-            foreach (var show in new Action[] { Vectors, Buffers, Rays, Flat, Pictures, Lists, Actions, Settings })
+            var shows = new Action[] { Vectors, Buffers, Rays, Flat, Pictures, Textures, Lists, Actions, Settings };
+            foreach (var show in shows)
             {
                 player.Begin(() =>
                 {
@@ -278,6 +280,16 @@ namespace MlTest
             Console.WriteLine($"{mask.Any}");
         }
 
+        private static void Textures()
+        {
+            foreach (var gray in new[] { false, true })
+            {
+                var texture = new Texture2D(2, 2, TextureFormat.RGB24, false);
+                texture.LoadRawTextureData(new byte[] { 255, 0, 0, 0, 0, 0, 0, 0, 0, 51, 102, 204 });
+                Show(new TextureSensor(texture, gray));
+            }
+        }
+
         private static void Settings()
         {
             var ant = new GameObject("ant").AddComponent<BehaviorParameters>();
@@ -285,14 +297,18 @@ namespace MlTest
             ant.TeamId = 2;
             Console.WriteLine($"{ant.FullyQualifiedBehaviorName} {ant.IsInHeuristicMode()}");
             ant.BehaviorType = BehaviorType.HeuristicOnly;
-            ant.Model = ScriptableObject.CreateInstance<NetMQExample.MLAgents.Inference.NNModel>();
-            Console.WriteLine("a model:");
+            ant.Model = ScriptableObject.CreateInstance<NNModel>();
+            NNModel model = ant.Model;
+            ModelAsset asset = ant.Model;
+            Console.WriteLine($"a model: {model != null} {asset != null} {ant.Model != null}");
             ant.BehaviorType = BehaviorType.Default;
             ant.BrainParameters.ActionSpec = ActionSpec.MakeDiscrete(4);
             var copy = ant.BrainParameters.Clone();
             copy.ActionSpec.BranchSizes[0] = 5;
             Console.WriteLine(ant.BrainParameters.ActionSpec.BranchSizes[0]);
             ant.InferenceDevice = InferenceDevice.Burst;
+            ant.Model = null;
+            Console.WriteLine(ant.Model == null);
             var recorder = ant.gameObject.AddComponent<DemonstrationRecorder>();
             recorder.Record = true;
         }
@@ -392,6 +408,22 @@ namespace MlTest
         {
             public override ActionSpec ActionSpec => default;
             public override IActuator[] CreateActuators() => new IActuator[0];
+        }
+
+        private sealed class TextureSensor : ISensor
+        {
+            private readonly Texture2D texture;
+            private readonly bool gray;
+
+            public TextureSensor(Texture2D texture, bool gray) => (this.texture, this.gray) = (texture, gray);
+
+            public ObservationSpec GetObservationSpec() => ObservationSpec.Visual(gray ? 1 : 3, 2, 2);
+            public int Write(ObservationWriter writer) => writer.WriteTexture(texture, gray);
+            public byte[] GetCompressedObservation() => null;
+            public void Update() { }
+            public void Reset() { }
+            public CompressionSpec GetCompressionSpec() => CompressionSpec.Default();
+            public string GetName() => "Texture";
         }
 
         private sealed class OwnSensor : ISensor

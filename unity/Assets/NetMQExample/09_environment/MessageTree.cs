@@ -229,4 +229,31 @@ namespace NetMQExample
         private static MessageException Bad(string why) =>
             new MessageException("bad-tree", $"this is no value: {why.Split('\n')[0]}");
     }
+
+    /// <summary>Points, what lies between them, and which it connects. Each is an array, such as a float[,], or
+    /// null.</summary>
+    public sealed class GraphInstance
+    {
+        /// <summary>Without edges, the other two are left out.</summary>
+        public GraphInstance(object nodes = null, object edges = null, object edgeLinks = null) =>
+            (Nodes, Edges, EdgeLinks) = (nodes, edges, edgeLinks);
+
+        public object Nodes { get; set; }
+        public object Edges { get; set; }
+
+        /// <summary>For each edge the numbers of two nodes, counted from 0: int32 [edges, 2].</summary>
+        public object EdgeLinks { get; set; }
+
+        public override string ToString() =>
+            $"nodes {Nodes ?? "none"}; edges {Edges ?? "none"}; links {EdgeLinks ?? "none"}";
+    }
+
+    /// <summary>A PNG or JPEG file as a value: an observation, or an info.</summary>
+    public sealed class EncodedImage
+    {
+        /// <summary>The file is not copied.</summary>
+        public EncodedImage(byte[] file) => File = Require.Given("file", file);
+
+        public byte[] File { get; }
+    }
 }

@@ -12,6 +12,7 @@ using System;
 using System.Collections.Generic;
 using System.IO;
 using System.Linq;
+using Stopwatch = System.Diagnostics.Stopwatch;
 
 namespace NetMQExample.MLAgents.SideChannels
 {
@@ -136,6 +137,28 @@ namespace NetMQExample.MLAgents.SideChannels
             }
             if (!Unknown.Exists(kept => kept.Id == id)) Report($"unknown channel {id}: kept until it is registered");
             Unknown.Add((id, message));
+        }
+    }
+
+    /// <summary>Many messages that are wrong must not fill a disk. For one thread, in Unity the main thread.</summary>
+    public sealed class Trouble
+    {
+        private readonly Action<string> say;
+        private readonly Stopwatch said = new Stopwatch();
+        private int unsaid;
+
+        public Trouble(Action<string> say) => this.say = Require.Given("say", say);
+
+        public void Report(string line)
+        {
+            if (said.IsRunning && said.ElapsedMilliseconds < 1000)
+            {
+                unsaid++;
+                return;
+            }
+            say($"trouble: {LogText.Printable(line)}" + (unsaid > 0 ? $" (and {unsaid} more)" : ""));
+            said.Restart();
+            unsaid = 0;
         }
     }
 }

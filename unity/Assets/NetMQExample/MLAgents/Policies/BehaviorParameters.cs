@@ -4,6 +4,7 @@
 // Team Id are of one behavior in Python, "Ball?team=0"; all of them have the same sizes.
 // Trouble: a model is not run here. It is kept, and one line says what to do.
 using System;
+using NetMQExample.MLAgents.Inference;
 using UnityEngine;
 using UnityEngine.Serialization;
 using Object = UnityEngine.Object;
@@ -36,7 +37,7 @@ namespace NetMQExample.MLAgents.Policies
         public BrainParameters BrainParameters { get => m_BrainParameters; internal set => m_BrainParameters = value; }
 
         /// <summary>A model of any inference package. It is not run.</summary>
-        public Object Model { get => m_Model; set => Set(ref m_Model, value); }
+        public AnyModel Model { get => m_Model; set => Set(ref m_Model, value); }
 
         public InferenceDevice InferenceDevice { get => m_InferenceDevice; set => m_InferenceDevice = value; }
         public BehaviorType BehaviorType { get => m_BehaviorType; set => Set(ref m_BehaviorType, value); }
