@@ -18,16 +18,15 @@ from kitlib.lessons import KitError, find
 from kitlib.programs import Program
 from kitlib.setup import python_setup
 
-# Lessons, the options of their servers, and where their clients run.
+# Lessons, the options of their servers, where their clients run, and options with which these come to no end.
+COUNT = ["--count", "1000000000"]
 PAIRS = {
-    "01": (["--delay", "0.01"], "csharp"),
-    "03": ([], "csharp"),
-    "04": ([], "unity"),
-    "07": ([], "csharp"),
-    "08": ([], "unity"),
+    "01": (["--delay", "0.01"], "csharp", COUNT),
+    "03": ([], "csharp", COUNT),
+    "04": ([], "unity", COUNT),
+    "07": ([], "csharp", [*COUNT, "--seconds", "100000"]),
+    "08": ([], "unity", COUNT),
 }
-# No client comes to its end.
-OPTIONS = ["--count", "1000000000"]
 KILLED, EVERY = "04", 300.0
 
 
@@ -36,11 +35,11 @@ def soak(minutes: float) -> int:
     python = python_setup.interpreter("tests", optional=("08_see_and_steer",))
     running: dict[str, Program] = {}
     try:
-        for number, (options, kind) in PAIRS.items():
+        for number, (options, kind, endless) in PAIRS.items():
             server = Program([*server_command(find(number), python), "--endpoint", "tcp://127.0.0.1:0", *options])
             running[f"{number} server"] = server
             places = [word for name, place in server.endpoints().items() for word in (f"--{name}", place)]
-            client = [*client_command(kind, find(number), python), *places, *OPTIONS]
+            client = [*client_command(kind, find(number), python), *places, *endless]
             running[f"{number} client, {kind}"] = Program(client)
         server = running[f"{KILLED} server"]
         again = [*server.command[:2], "--endpoint", server.endpoints()["endpoint"], *PAIRS[KILLED][0]]
@@ -50,9 +49,9 @@ def soak(minutes: float) -> int:
         while (passed := time.monotonic() - started) < minutes * 60:
             time.sleep(1)
             for name, program in running.items():
-                program.lines.clear()
                 if program.ended:
-                    raise KitError(f"{name} has ended: run it alone to see why")
+                    raise KitError(f"{name} has ended; its last lines: {program.lines[-3:]}")
+                del program.lines[:-3]
             if not warm and passed > minutes * 6:
                 warm = {name: held(program) for name, program in running.items()}
             if passed > EVERY * (kills + 1) and passed < minutes * 60 - EVERY:
