@@ -29,13 +29,13 @@ class WorkerThreads(Generic[Key]):
     """So many threads, each of which answers one request at a time."""
 
     def __init__(
-        self, number: int, answer: Callable[..., Any], reply: Callable[[Callable[..., Any], Any], Any] = reply_to
+        self, workers: int, answer: Callable[..., Any], reply: Callable[[Callable[..., Any], Any], Any] = reply_to
     ) -> None:
         """`answer` makes the reply; an exception in it becomes the reply `error: …`, and its traceback is logged.
 
         `reply` calls it with a request of another form than bytes.
         """
-        self.number = check.count("number", number, most=MOST_THREADS)
+        self.number = check.count("workers", workers, most=MOST_THREADS)
         self.answer = arguments.function("answer", answer)
         self.reply = reply
         self.closed = False

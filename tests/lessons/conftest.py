@@ -158,6 +158,11 @@ def answering(context, answer):
         thread.join()
 
 
+def retry(i, attempt, tries, timeout):
+    """A client's line before this try: each has waited twice as long as the one before, at most 8 times."""
+    return f"{i}: no reply within {timeout * 2 ** min(attempt - 2, 3):g} s; try {attempt} of {tries}"
+
+
 def on_the_circle(body, ahead):
     """Where the pose after this one is, of lessons 03 and 07, if this one is where the one before it said."""
     assert re.fullmatch(r"(-?\d\.\d{4} ){6}-?\d\.\d{4}", body), body

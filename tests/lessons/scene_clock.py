@@ -20,23 +20,8 @@ import numpy as np
 from netmq_example.messages import Message
 from netmq_example.scene.client import EnvironmentClient
 from netmq_example.scene.simulator import SimulatorBase
-from netmq_example.wire import trees
-from netmq_example.wire.records import (
-    ANEW,
-    ANSWERS,
-    ENDED,
-    GROUPS,
-    IDS,
-    MASKS,
-    SCENE_CLOCK,
-    SEEN,
-    TERMINATED,
-    TRUNCATED,
-    WANTS,
-    Record,
-    Section,
-    bad,
-)
+from netmq_example.wire import records, trees
+from netmq_example.wire.records import Record, Section, bad
 
 VECTOR = {"name": "VectorSensor_size4", "shape": [4], "dtype": "float32", "type": 0, "properties": [1]}
 EYE = {"name": "Eye", "shape": [1, 2, 3], "dtype": "uint8", "type": 1, "properties": [1, 2, 2]}
@@ -140,13 +125,13 @@ class Arena:
             walker.earned += 1
             walker.time += 1
             if walker.time == walker.length:
-                self.ended.append(Row(walker, TRUNCATED if walker.interrupted else TERMINATED))
+                self.ended.append(Row(walker, records.TRUNCATED if walker.interrupted else records.TERMINATED))
                 walker.begin()
         self.ticks += 1
         for walker in before:
             if walker not in self.here():
                 self.ended = [row for row in self.ended if row.walker is not walker]
-                self.ended.append(Row(walker, TERMINATED))
+                self.ended.append(Row(walker, records.TERMINATED))
 
     def advance(self):
         """The rows of the next exchange: of those that have ended, and of those that ask."""
@@ -158,7 +143,7 @@ class Arena:
             self.asking = [one for one in self.here() if self.ticks % one.period == one.offset]
             if self.asking or self.ended:
                 ended, self.ended = self.ended, []
-                return ended, [Row(walker, WANTS) for walker in self.asking]
+                return ended, [Row(walker, records.WANTS) for walker in self.asking]
             self.tick()
 
     def number(self, walker):
@@ -183,21 +168,21 @@ class ArenaSimulator(SimulatorBase):
         return Message("hello", 0, values, [trees.array_of(trees.write({"kinds": []}))])
 
     def do(self, request):
-        if not request.bits & SCENE_CLOCK:
+        if not request.bits & records.SCENE_CLOCK:
             raise bad("this scene goes by its own clock")
         if self.channels:
             self.channels.take_in(request.exchange)
         known = len(self.arena.known)
-        if request.bits & ANEW:
+        if request.bits & records.ANEW:
             ended, asking = self.arena.reset(trees.read(request.said) if request.said else {})
         else:
             ended, asking = self.arena.go_on({section.kind: [*self.actions(section)] for section in request.sections})
-        sections = [self.section(rows, ENDED) for rows in self.by_number(ended)]
+        sections = [self.section(rows, records.ENDED) for rows in self.by_number(ended)]
         sections += [self.section(rows, 0) for rows in self.by_number(asking)]
         new = [self.walkers_of(number)[0].described() for number in range(known, len(self.arena.known))]
         said = trees.write({"kinds": new}) if new else b""
         exchange = bytes(self.channels.generate_side_channel_messages()) if self.channels else None
-        return Record(ANSWERS, request.id, sections, SCENE_CLOCK, said, exchange)
+        return Record(records.ANSWERS, request.id, sections, records.SCENE_CLOCK, said, exchange)
 
     def say(self, request):
         raise bad(f"a scene of this clock knows no {request.kind}")
@@ -225,17 +210,17 @@ class ArenaSimulator(SimulatorBase):
         section = Section(
             self.arena.number(walkers[0]),
             struct.pack(f"<{len(rows)}d", *(row.earned for row in rows)),
-            bytes(row.mark | SEEN for row in rows),
-            columns=columns | IDS,
+            bytes(row.mark | records.SEEN for row in rows),
+            columns=columns | records.IDS,
             ids=np.array([one.id for one in walkers], np.int32).tobytes(),
             values=b"".join(row.seen for row in rows),
         )
         if any(one.group for one in walkers):
-            section.columns |= GROUPS
+            section.columns |= records.GROUPS
             groups = np.array([one.group for one in walkers], np.int32).tobytes()
             section.groups = groups + np.array([one.group_reward for one in walkers], np.float32).tobytes()
         if not columns and any(one.forbidden for one in walkers):
-            section.columns |= MASKS
+            section.columns |= records.MASKS
             choices = range(sum(walkers[0].branches))
             section.masks = b"".join(bytes(at in one.forbidden for at in choices) for one in walkers)
         return section

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import sys
 import time
 
 import pytest
@@ -136,11 +135,3 @@ def test_the_bytes_of_the_stream(serve, connect):
             assert int(number) == last + 1 or not last, "numbers follow one another"
             ahead, last = on_the_circle(body, ahead), int(number)
     assert server.stop() == 0
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals to end a program with")
-@pytest.mark.parametrize("key", [KEY, "07_catch_up"])
-def test_a_server_that_never_waits_ends_at_once(key, serve):
-    server, _ = serve(key, "--interval", "0")
-    assert server.stop(limit=30) == 0
-    assert "Traceback" not in server.output

@@ -16,16 +16,11 @@ import zmq
 from netmq_example.background_client import BackgroundClient
 from tests.bad_peers import Listener, greeting, ready
 from tests.conftest import CLIENTS
-from tests.lessons.conftest import answering, ask, bind, server_of
+from tests.lessons.conftest import answering, ask, bind, retry, server_of
 from tests.programs import LIMIT, steady_endpoint
 
 KEY = "04_background_client"
 FRAMES = r"frames: (\d+), the longest took (\d+) ms"
-
-
-def silence(i, attempt, tries=20, timeout=1.0):
-    """What is said before this try of a request: each waits twice as long as the one before, at most 8 times."""
-    return f"{i}: no reply within {timeout * 2 ** min(attempt - 2, 3):g} s; try {attempt} of {tries}"
 
 
 def lost(endpoint, timeout, tries=3):
@@ -151,7 +146,7 @@ def test_clients_in_a_terminal_and_in_unity(kind, serve, runs, context, monkeypa
     assert alone.lines.count(f"gave up: {lost(nowhere, 2)}") == 1
     # On a busy machine there may be no frame for a second.
     trouble = [line for line in alone.lines if line.startswith("trouble: ")]
-    said = [f"trouble: {silence(1, attempt, tries=3, timeout=0.5)}" for attempt in (2, 3)]
+    said = [f"trouble: {retry(1, attempt, tries=3, timeout=0.5)}" for attempt in (2, 3)]
     assert trouble in (said, said[:1], said[1:])
     # Some 200, on a busy machine far fewer; a client that waits where the frames are made has one, or three.
     assert frames(alone)[0] > 5
@@ -280,7 +275,7 @@ def test_in_code_with_nobody_who_answers(check, context):
             if (number, attempt) != (2, 1):
                 router.send_multipart([peer, empty, name, b"world"])
         assert program.wait() == 0, program.output
-        trouble = silence(2, 2, tries=3, timeout=4)
+        trouble = retry(2, 2, tries=3, timeout=4)
         assert program.lines[:4] == ["Connecting ", "Connected ", f"Retrying {trouble}", f"Connected {trouble}"]
         limited = [line for line in program.lines if " within 0.1 s to ask " in line or " within 1.5 s to ask " in line]
         # A try that waits longer than is left is cut.

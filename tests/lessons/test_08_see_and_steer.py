@@ -25,7 +25,7 @@ import zmq
 
 from kitlib.docs import guide
 from netmq_example.errors import Timeout
-from netmq_example.messages import Array, Message
+from netmq_example.messages import Array, Message, MessageError
 from tests.conftest import PYTHON
 from tests.lessons.conftest import ask as exchange
 from tests.programs import PATIENT, ROOT, free_port, python_runs, steady_endpoint
@@ -639,3 +639,5 @@ def test_where_there_is_no_pillow_recording_ends_and_driving_goes_on(tmp_path, m
         keeper.add(frame(1), action(1))
     (line,) = caplog.messages
     assert line.startswith("trouble: recording has stopped, the car drives on: JPEG needs Pillow")
+    with pytest.raises(MessageError, match=r"^no-pillow: JPEG needs Pillow: pip install pillow"):
+        camera_pictures.decode(b"")

@@ -9,6 +9,7 @@ import itertools
 import os
 import re
 import warnings
+from typing import Any
 
 import pytest
 
@@ -295,19 +296,29 @@ def test_a_space_that_nobody_plays_by_hand_does_not_end_the_server(serve, run, c
     assert "Traceback" not in server.output
 
 
-def test_a_script_that_cannot_be_launched_is_named_with_its_cure(tmp_path):
-    script = tmp_path / "ball.py"
-    script.write_text("print(1)\n", encoding="utf-8")
-    words = r"^launch cannot start \S+ball\.py: .+; a script needs its program: launch=\[sys\.executable, 'ball\.py'\]$"
-    with pytest.raises(OSError, match=words):
-        UnityGymEnv("Ball", launch=script)
+# The words of an environment, and the error that says what is wrong with them. TorchRL tries frameskip, and looks for
+# Python's own words.
+MISMADE: list[tuple[dict[str, Any], str]] = [
+    (
+        {"launch": "ball.py"},
+        r"^launch cannot start \S*ball\.py: .+; a script needs its program: launch=\[sys\.executable, 'ball\.py'\]$",
+    ),
+    ({"launch": "Build/no game.exe"}, r"no game\.exe"),
+    (
+        {"launch": [str(PYTHON), "-S", "-c", "raise SystemExit(3)"], "wait": 1000},
+        r"ended with code 3: in \S+, .*python.* --endpoint tcp\S+ shows why",
+    ),
+    (
+        {"lunch": ["ball"]},
+        r"^an environment got an unexpected keyword argument 'lunch'; where its simulator is, say endp",
+    ),
+    ({"update_seconds": 0.1, "agent_names": ["ball"]}, r"^an environment got .* 'update_seconds'; leave it out"),
+]
 
 
-def test_a_word_that_an_environment_does_not_know_is_named():
-    """In Python's words: TorchRL tries frameskip, and looks for these."""
-    with pytest.raises(
-        TypeError, match=r"^an environment got an unexpected keyword argument 'lunch'; where its simulator is, say endp"
-    ):
-        UnityGymEnv("Ball", lunch=["ball"])
-    with pytest.raises(TypeError, match=r"^an environment got .* 'update_seconds'; leave it out"):
-        UnityGymEnv("Ball", update_seconds=0.1, agent_names=["ball"])
+def test_what_no_environment_can_be_made_of_is_named(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "ball.py").write_text("print(1)\n", encoding="utf-8")
+    for words, says in MISMADE:
+        with pytest.raises(OSError if "launch" in words else TypeError, match=says):
+            UnityGymEnv("Ball", **words)

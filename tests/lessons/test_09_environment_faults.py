@@ -240,13 +240,6 @@ def test_a_silent_simulator_is_lost_after_the_timeout(make, inside, monkeypatch)
         env.reset()
 
 
-def test_a_simulator_that_ends_before_its_hello_is_not_waited_for():
-    with pytest.raises(TimeoutError, match=r"ended with code 3: in \S+, .*python.* --endpoint tcp\S+ shows why"):
-        gymnasium.make(ID, launch=[str(PYTHON), "-S", "-c", "raise SystemExit(3)"], wait=1000)
-    with pytest.raises(FileNotFoundError, match=r"no game\.exe"):
-        gymnasium.make(ID, launch="Build/no game.exe")
-
-
 def test_a_second_simulator_is_told_that_there_is_one(here):
     with zmq.Context() as context, context.socket(zmq.DEALER) as second:
         second.linger = 0

@@ -2,9 +2,11 @@
 looked at.
 """
 
+import json
 import os
 import re
 import sys
+import tracemalloc
 from pathlib import Path
 
 import pytest
@@ -13,6 +15,7 @@ import zmq
 from kitlib.lessons import Lesson
 from netmq_example import arguments
 from netmq_example.fleet import hub, members
+from netmq_example.json_text import shallow
 from netmq_example.messages import Message
 from netmq_example.mlagents_envs import carrier
 from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
@@ -185,6 +188,17 @@ def test_a_state_that_is_no_state(context):
             assert said == {"code": "bad-state", "text": f"a state is 4 numbers, not {20 * MEGABYTE}"}
         finally:
             simulator.kill()
+
+
+def test_a_long_json_text_takes_little_memory_to_be_looked_at():
+    text = json.dumps(["a" * 4_000_000, "\n" * 1_000_000, *[[]] * 100])
+    tracemalloc.start()
+    try:
+        began = tracemalloc.get_traced_memory()[0]
+        assert shallow(text) is text
+        assert tracemalloc.get_traced_memory()[1] - began < 32_000_000
+    finally:
+        tracemalloc.stop()
 
 
 # Files

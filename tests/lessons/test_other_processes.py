@@ -22,7 +22,6 @@ from netmq_example import extras
 from netmq_example.background_client import BackgroundClient
 from netmq_example.messages import MessageError
 from netmq_example.one_process import OneProcess
-from netmq_example.program import reply_to
 from tests.conftest import PYTHON
 from tests.lessons.conftest import ask
 from tests.lessons.uses import USES
@@ -300,10 +299,6 @@ def test_an_answer_that_no_client_would_take_is_refused_where_it_is_made(key, fr
         assert socket.recv_multipart() == [*frames[:-1], f"error: {TOO_LONG}".encode()]
     assert server.wait_for(rf"^trouble: {TOO_LONG}")
     assert "Traceback" not in server.output
-
-
-def test_the_longest_answer_is_one():
-    assert reply_to(lambda _: "x" * 65_536, b"") == b"x" * 65_536
 
 
 @pytest.mark.parametrize("key", ["03_publish_subscribe", "07_catch_up", "20_body_tracking"])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Callable
 
 import pytest
@@ -30,11 +29,10 @@ WHERE = "tcp://127.0.0.1:5552"
 
 
 def test_what_only_one_of_them_refuses(context):
-    with context.socket(zmq.REQ) as req, context.socket(zmq.SUB) as sub:
+    with context.socket(zmq.REQ) as req:
         for says, make in {
             "socket takes a SUB socket": lambda: TopicListener(WHERE, "pose/", socket=req),
             "stream takes a SUB socket, not ": lambda: PoseSubscriber(WHERE, stream=req),
-            "bad endpoint 'tcp://127.0.0.1:65600'": lambda: PoseSubscriber("tcp://127.0.0.1:65500", stream=sub),
             "bad endpoint 'tcp://127.0.0.1'": lambda: snapshots_beside("tcp://127.0.0.1"),
         }.items():
             with pytest.raises(ValueError, match=f"^{says}"):
@@ -46,10 +44,10 @@ ASKS: dict[type, Callable[..., object]] = {
     LazyPirate: lambda it, text="hello": it.request(text),
     BackgroundClient: lambda it, text="hello": it.submit(text).result(LIMIT),
     MessageRequester: lambda it: it.request(Message("look")),
-    ManyRequester: lambda it, text="hello": next(it.request_many([text])),
+    ManyRequester: lambda it: next(it.request_many(["hello"])),
     Publisher: lambda it, text="hello": it.send("a/", text),
     Server: lambda it: it.run(),
-    WorkerThreads: lambda it, text=b"hello": it.begin("key", text),
+    WorkerThreads: lambda it: it.begin("key", b"hello"),
 }
 
 
@@ -59,11 +57,6 @@ def made(kind):
 
 
 def test_a_request_that_cannot_be_sent_is_refused_at_once():
-    for kind in (LazyPirate, BackgroundClient, ManyRequester, WorkerThreads):
-        with contextlib.closing(made(kind)) as it:
-            for wrong in (None, 0, "text" if kind is WorkerThreads else b"bytes"):
-                with pytest.raises(TypeError, match=r"^(text|texts|request) takes a "):
-                    ASKS[kind](it, wrong)
     for kind in (LazyPirate, BackgroundClient, Publisher):
         with (
             made(kind) as it,
@@ -71,10 +64,6 @@ def test_a_request_that_cannot_be_sent_is_refused_at_once():
         ):
             ASKS[kind](it, "x" * 65_537)
     with ManyRequester(WHERE) as requester:
-        # A text alone would be a request for each of its letters.
-        for texts in (None, 5, "echo one"):
-            with pytest.raises(TypeError, match=r"^texts takes a "):
-                next(requester.request_many(texts))
         # One that is sent, and left alone. Nothing is sent of the others, and nothing waited for.
         left = requester.request_many(["echo one", "ü" * 32_769])
         assert next(left).number == 2
@@ -83,9 +72,8 @@ def test_a_request_that_cannot_be_sent_is_refused_at_once():
         assert [number for number, _, _ in outcomes] == list(range(1, 101))
         assert {str(error) for _, _, error in outcomes} == {"not sent: 65538 bytes, and the limit is 65536"}
     with BackgroundClient(WHERE, capacity=1) as client:
-        for words in [("hello", None, print), ("hello", print, b"error"), (0, print, print)]:
-            with pytest.raises(TypeError, match=r"^(text|reply|error) takes a "):
-                client.request(*words)
+        with pytest.raises(TypeError, match=r"^reply takes a "):
+            client.request("hello", None, print)
         assert client.under_way == 0, "a wrong request takes no place"
 
 
@@ -157,20 +145,6 @@ def test_what_is_of_zmq_asyncio_is_refused_with_the_cure():
         ):
             with pytest.raises(TypeError, match=r"^\w+ is one of zmq.asyncio: take one of zmq, .* asyncio.to_thread$"):
                 make()
-
-
-def test_what_cannot_be_waited_for_is_named(context):
-    with context.socket(zmq.SUB) as one, context.socket(zmq.SUB) as other:
-        listener = TopicListener(WHERE, "pose/", socket=one)
-        receives = (
-            (listener.receive, [-1]),
-            (listener.newest, [-1]),
-            (PoseSubscriber(WHERE, stream=other).receive, [0, -1]),
-        )
-        for receive, wrong in receives:
-            for timeout in (*wrong, NAN, INFINITE, "", "1"):
-                with pytest.raises(ValueError, match=r"^timeout takes seconds, "):
-                    receive(timeout)
 
 
 def test_csharp_classes_name_what_they_cannot_use(checks, start):

@@ -39,7 +39,10 @@ class ClientKeys:
     def __init__(self, folder: Path | str, server_key: str = "") -> None:
         """From this folder; `server_key` takes the place of server.key. ValueError says what is missing."""
         folder = checked_path(folder)
-        self.server = checked(server_key.encode()) if server_key else load(folder / "server.key")[0]
+        if server_key:
+            self.server = checked(arguments.text("server_key", server_key).encode())
+        else:
+            self.server = load(folder / "server.key")[0]
         if not os.path.exists(folder / "client.key_secret"):
             make(folder, "client")
         self.public, self.secret = load(folder / "client.key_secret")
