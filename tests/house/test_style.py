@@ -21,8 +21,6 @@ from tests.programs import ROOT, finished
 
 # Files whose idea does not fit, and may not grow either.
 LONGER = {
-    # It has no base in Shared, which needs NetMQ.
-    "unity/Assets/NetMQExample/16_web_gateway/HelloWeb.cs": 62,
     # It is a base as well, from which the world of a scene derives.
     "unity/Assets/NetMQExample/09_environment/GymManager.cs": 99,
 }

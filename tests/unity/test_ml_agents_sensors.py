@@ -70,7 +70,7 @@ CameraSensor sees black only, for there is no graphics card: start without -nogr
 StackingSensor_size2_CameraSensor [2, 2, 4] uint8 0 1,2,2: 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0
 Textures:
 Texture [3, 2, 2] 0 1,2,2: 0 0.2 1 0 0 0.4 0 0 0 0.8 0 0
-Texture [1, 2, 2] 0 1,2,2: 0 0.46666667 0.33333334 0
+Texture [1, 2, 2] 0 1,2,2: 0 0.467 0.333 0
 Lists:
 VectorSensor_size3 StackingSensor_size2_VectorSensor_size3: a, b, old, Own, StackingSensor_size2_VectorSensor_size3
 Own [2, 1, 3] 0 1,2,2: 0 0 0 0 0 0.5

@@ -287,6 +287,7 @@ namespace MlTest
                 var texture = new Texture2D(2, 2, TextureFormat.RGB24, false);
                 texture.LoadRawTextureData(new byte[] { 255, 0, 0, 0, 0, 0, 0, 0, 0, 51, 102, 204 });
                 Show(new TextureSensor(texture, gray));
+                UnityEngine.Object.Destroy(texture);
             }
         }
 

@@ -60,7 +60,6 @@ namespace NetMQExample
 
         public bool Lives => Plays && !State.Over;
 
-        /// <summary>Takes its action, and checks it.</summary>
         public void Read(ReadOnlyMemory<byte> action, object form, bool keep)
         {
             Acts = true;

@@ -59,17 +59,13 @@ namespace NetMQExample
         /// <summary>The members that it sees with, and perhaps others.</summary>
         public List<Source> Sources { get; } = new List<Source>();
 
-        /// <summary>The random numbers of this episode, which Python's seed decides.</summary>
         public RandomGenerator Rng { get; private set; } = new RandomGenerator(0);
 
         public IReadOnlyDictionary<string, object> Options { get; private set; } = new Dictionary<string, object>();
 
-        /// <summary>The option "state", if there is one.</summary>
         public double[] FirstState { get; private set; } = new double[0];
 
-        /// <summary>Named infos of this step, for Python.</summary>
         public IDictionary<string, object> Info => info;
-
         public double Dt => Tick * Period;
 
         /// <summary>A source whose locator is read here, once.</summary>
@@ -85,10 +81,7 @@ namespace NetMQExample
         /// <exception cref="MessageException">It is not finite.</exception>
         public void SetReward(double all) => Change(nameof(SetReward), Finite(all), terminated, truncated);
 
-        /// <summary>The episode is over for it: it has reached an end of the world.</summary>
         public void Terminate() => Change(nameof(Terminate), Reward, true, truncated);
-
-        /// <summary>The episode is over for it, for another reason, such as the time.</summary>
         public void Truncate() => Change(nameof(Truncate), Reward, terminated, true);
 
         /// <summary>Tells Python something, with the next answer.</summary>

@@ -7,10 +7,7 @@
 using System;
 using System.Collections.Generic;
 using System.Diagnostics;
-using System.Text;
 using System.Threading;
-using NetMQ;
-using NetMQ.Sockets;
 
 namespace NetMQExample
 {
@@ -21,15 +18,14 @@ namespace NetMQExample
         // For a connection, and then for the answer to hello: so long waits the first try.
         private static readonly TimeSpan Try = TimeSpan.FromSeconds(1);
 
-        private const string Nothing = "no connection";
+        private const string Nothing = "no connection", Gone = "the environment is gone, or silent";
 
         private readonly StepRequest step = new StepRequest();
         private readonly Stopwatch silence = new Stopwatch();
-        private readonly NetMQConnection connection;
+        private readonly MessageDealer dealer;
         private readonly string endpoint;
         private readonly TimeSpan timeout;
         private readonly Action<string> report;
-        private Msg received;
         // The last request, where it was in words; else null, and it is in `step`.
         private Message request;
         // Without a request for so long it says hello again.
@@ -49,15 +45,7 @@ namespace NetMQExample
             this.endpoint = endpoint;
             this.timeout = Require.Seconds("timeout", timeout ?? TimeSpan.FromSeconds(30));
             this.report = report ?? (line => { });
-            received.InitEmpty();
-            connection = new NetMQConnection(endpoint, () => new DealerSocket
-            {
-                // Nothing can be sent while there is no connection.
-                // A pulled cable tells nobody: a silent peer is asked after a second, and gone when two more bring no
-                // answer.
-                Options = { DelayAttachOnConnect = true, ReconnectInterval = Try / 2,
-                    HeartbeatInterval = Try, HeartbeatTimeout = Try + Try },
-            }, 4 * Message.LimitBytes);
+            dealer = new MessageDealer(endpoint, timeout) { Gone = Gone };
         }
 
         // Whether an environment that is lost, or refuses this simulator, is the last one.
@@ -96,19 +84,14 @@ namespace NetMQExample
 
         public override string ToString() => $"EnvironmentClient {endpoint}";
 
-        public void Dispose()
-        {
-            // A second Close would throw.
-            if (received.IsInitialised) received.Close();
-            connection.Dispose();
-        }
+        public void Dispose() => dealer.Dispose();
 
         // Tries it until it succeeds.
         private void Keep(Action<TimeSpan> talk, CancellationToken stop)
         {
             Launcher.Watch();
             TimeSpan left;
-            for (silence.Restart(); (left = timeout - silence.Elapsed) > TimeSpan.Zero; connection.Close())
+            for (silence.Restart(); (left = timeout - silence.Elapsed) > TimeSpan.Zero; dealer.Close())
             {
                 var limit = NetMQConnection.Longer(Try, tries++);
                 try
@@ -129,29 +112,28 @@ namespace NetMQExample
             var keys = NetMQConnection.Prepare == null ? "" : ", and has this simulator's key on its list";
             throw new TimeoutException(FormattableString.Invariant(
                 $"no environment at {endpoint} within {timeout.TotalSeconds} s; ")
-                + connection.Cure($"is the server running{keys}? ({why})"));
+                + dealer.Cure($"is the server running{keys}? ({why})"));
         }
 
         private void Greet(SimulatorBase simulator, Action<Action> perform, TimeSpan limit, CancellationToken stop)
         {
+            dealer.Timeout = limit;
             try { perform(() => simulator.Hello()); }
             catch (Exception e) when (e is MessageException || e is ArgumentException)
             {
                 // The scene is wrong: Python, which waits for it, is told why it ends.
                 var why = e is MessageException known ? known.Text : e.Message;
-                connection.Socket.Options.Linger = Try;
-                Send(new Message("error") { Values = { ["code"] = "gave-up", ["text"] = why } }, limit, stop);
+                dealer.Flush(1);
+                dealer.Send(new Message("error") { Values = { ["code"] = "gave-up", ["text"] = why } }, stop);
                 throw new GaveUpException(why);
             }
             // Not the simulator's own: in Unity it is asked on the main thread alone.
             var name = simulator.Reply.Values["name"];
-            Send(simulator.Reply, limit, stop);
-            // From now on it makes no second connection: it might do so between two looks, without a hello, and Python
-            // and simulator would wait for each other.
-            connection.Socket.Options.ReconnectInterval = Timeout.InfiniteTimeSpan;
+            dealer.Send(simulator.Reply, stop);
             request = Receive(limit, stop);
             if (request?.Kind != "welcome") throw new MessageException("no-welcome", "hello had another answer");
             welcomed = true;
+            dealer.Timeout = Try;
             report($"simulating {name} for {endpoint}");
             // A learner may be silent for an hour; lesson 17's hub never is, and says for how long at most.
             idle = TimeSpan.FromSeconds(
@@ -195,8 +177,8 @@ namespace NetMQExample
             request = Receive(idle, stop);
             if (request?.Kind != "close") return true;
             // For the last answer; else it would be dropped.
-            connection.Socket.Options.Linger = Try;
-            Send(new Message("closed", request.Id), Try, stop);
+            dealer.Flush(1);
+            dealer.Send(new Message("closed", request.Id), stop);
             return false;
         }
 
@@ -208,62 +190,18 @@ namespace NetMQExample
 
         private void Reply(SimulatorBase simulator, CancellationToken stop)
         {
-            if (simulator.Reply != null) Send(simulator.Reply, Try, stop);
-            else Send(simulator.Frame.Span, false, Try, stop);
-        }
-
-        private void Send(Message message, TimeSpan limit, CancellationToken stop)
-        {
-            var arrays = message.Arrays;
-            Send(Encoding.UTF8.GetBytes(message.Header()), arrays.Count > 0, limit, stop);
-            for (var i = 0; i < arrays.Count; i++) Send(arrays[i].Data.Span, i + 1 < arrays.Count, limit, stop);
-        }
-
-        private void Send(ReadOnlySpan<byte> frame, bool more, TimeSpan limit, CancellationToken stop)
-        {
-            var msg = new Msg();
-            msg.InitPool(frame.Length);
-            frame.CopyTo(msg.Slice());
-            connection.Show(true, new[] { msg.CloneData() });
-            foreach (var slice in NetMQConnection.Slices(limit, stop))
-                // Sent, it is empty: what it held is NetMQ's until the network has it.
-                if (connection.Socket.TrySend(ref msg, slice, more)) return;
-            msg.Close();
-            throw new TimeoutException(Nothing);
+            // Copied: a picture that is drawn anew meanwhile is another one.
+            if (simulator.Reply != null) dealer.Send(simulator.Reply, stop, copies: true);
+            else dealer.Send(simulator.Frame.Span, stop);
         }
 
         // A request in words; null: a reset or a step, which then is in `step`.
         private Message Receive(TimeSpan limit, CancellationToken stop)
         {
-            foreach (var slice in NetMQConnection.Slices(limit, stop))
-            {
-                if (!connection.Socket.TryReceive(ref received, slice))
-                {
-                    if (connection.Socket.HasOut) continue;
-                    break;
-                }
-                if (StepRequest.Is(received.Slice()) && !received.HasMore)
-                {
-                    connection.Show(false, new[] { received.CloneData() });
-                    step.Read(received.SliceAsMemory());
-                    return null;
-                }
-                return Message.Read(Frames()).OrThrow();
-            }
-            throw new TimeoutException("the environment is gone, or silent");
-        }
-
-        // All frames of a message are there as soon as the first one is.
-        private List<ReadOnlyMemory<byte>> Frames()
-        {
-            var frames = new List<ReadOnlyMemory<byte>> { received.CloneData() };
-            while (received.HasMore)
-            {
-                connection.Socket.Receive(ref received);
-                frames.Add(received.CloneData());
-            }
-            connection.Show(false, frames);
-            return frames;
+            if (!dealer.TryReceive(limit, stop)) throw new TimeoutException(Gone);
+            if (!dealer.IsRecord(out var record)) return dealer.Read();
+            step.Read(record);
+            return null;
         }
     }
 }

@@ -26,7 +26,6 @@ namespace NetMQExample
 
         private ByHand played;
 
-        /// <summary>The one of this scene, if there is one.</summary>
         public static GymManager Current { get; private set; }
 
         /// <summary>The environment's own side. New after each enable, but not after a change of scenes.</summary>
@@ -135,8 +134,6 @@ namespace NetMQExample
     public struct NameCount
     {
         public string name;
-
-        /// <summary>At most so many at once.</summary>
         public int count;
     }
 }

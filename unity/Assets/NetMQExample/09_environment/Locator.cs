@@ -51,10 +51,8 @@ namespace NetMQExample
         /// <summary>Whether it says whose observation is meant.</summary>
         public bool Absolute => Everyone || Agents.Count > 0;
 
-        /// <summary>Whether the value is appended to a sequence.</summary>
         public bool Appends => destination.EndsWith("[]", StringComparison.Ordinal);
 
-        /// <summary>Whether this agent's observation is meant.</summary>
         public bool Names(string agent) => Agents.Contains(agent) != Everyone;
 
         /// <summary>The canonical text in the observation of one agent, which is not named.</summary>

@@ -27,13 +27,11 @@ namespace NetMQExample
     /// <summary>Values to and from bytes.</summary>
     public static class MessageTree
     {
-        private const int MostForms = 200, LongestForm = 16 * 1024, MostDepth = 100,
-            MostFormBytes = 1024 * 1024;
+        private const int MostForms = 200, LongestForm = 16 * 1024, MostDepth = 100, MostFormBytes = 1 << 20;
 
         private static readonly Regex ArrayForm = new Regex(
             @"^([a-z]+[0-9]+)\[((?:[0-9]{1,9}(?:,[0-9]{1,9}){0,7})?)\]\z", RegexOptions.CultureInvariant);
-        private static readonly ConcurrentDictionary<string, object> Forms =
-            new ConcurrentDictionary<string, object>();
+        private static readonly ConcurrentDictionary<string, object> Forms = new();
         private static readonly ConcurrentDictionary<string, (string Dtype, int[] Shape)> Arrays =
             new ConcurrentDictionary<string, (string, int[])>();
 

@@ -20,8 +20,7 @@ namespace NetMQExample
             BindingFlags.Instance | BindingFlags.Static | BindingFlags.Public | BindingFlags.NonPublic
             | BindingFlags.DeclaredOnly;
 
-        private static readonly ConcurrentDictionary<Type, Observed[]> Known =
-            new ConcurrentDictionary<Type, Observed[]>();
+        private static readonly ConcurrentDictionary<Type, Observed[]> Known = new();
 
         [ThreadStatic] private static int depth;
 

@@ -11,7 +11,9 @@ namespace NetMQExample
         private const long MostExact = (1L << 53) - 1;
 
         // Compared once for each number: a text would take longer than all the rest.
-        private enum Form : byte { Int8, Uint8, Uint16, Int32, Int64, Float32, Float64 }
+        private enum Form { Int8, Uint8, Uint16, Int32, Int64, Float32, Float64 }
+
+        private static readonly string[] Forms = { "int8", "uint8", "uint16", "int32", "int64", "float32", "float64" };
 
         private readonly double[] low, high;
         private readonly bool limited;
@@ -52,16 +54,7 @@ namespace NetMQExample
             return inside;
         }
 
-        private static Form FormOf(string dtype) => dtype switch
-        {
-            "int8" => Form.Int8,
-            "uint8" => Form.Uint8,
-            "uint16" => Form.Uint16,
-            "int32" => Form.Int32,
-            "int64" => Form.Int64,
-            "float32" => Form.Float32,
-            _ => Form.Float64,
-        };
+        private static Form FormOf(string dtype) => (Form)System.Array.IndexOf(Forms, dtype);
 
         private static double Get(Form form, ReadOnlySpan<byte> bytes) => form switch
         {
@@ -98,8 +91,7 @@ namespace NetMQExample
         }
 
         private static MessageException Another(Form form, double number) => new MessageException("not-in-space",
-            FormattableString.Invariant($"{number} would become another number as ")
-                + form.ToString().ToLowerInvariant());
+            FormattableString.Invariant($"{number} would become another number as {Forms[(int)form]}"));
 
         /// <summary>The numbers of an array of any dtype.</summary>
         public static double[] Of(MessageArray array)

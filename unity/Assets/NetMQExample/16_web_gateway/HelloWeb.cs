@@ -18,8 +18,7 @@ namespace NetMQExample
         [SerializeField, Tooltip("By Socket.IO in place of plain WebSocket")] private bool socketio = false;
         [SerializeField, Tooltip("The word that the gateway was given as --token")] private string token = "";
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each reply")] private float timeout = 2.5f;
-        [SerializeField, Tooltip("Go on while another window has the focus; this is a setting of the whole game")]
-        private bool runInBackground = true;
+        [SerializeField, Tooltip("Go on without the focus, as the whole game")] private bool runInBackground = true;
         [SerializeField, Tooltip("With each reply")] private UnityEvent<string> replied = new();
 
         private WebRequester requester;
@@ -52,10 +51,9 @@ namespace NetMQExample
             {
                 Debug.LogError($"gave up: {e.Message}");
                 enabled = false;
-                return;
             }
             if (frames != null) Hear(string.Join(" ", frames));
-            if (replies < count) return;
+            if (replies < count || !enabled) return;
             Debug.Log($"done: {replies} replies");
             enabled = false;
         }

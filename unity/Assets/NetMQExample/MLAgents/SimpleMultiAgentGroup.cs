@@ -8,7 +8,6 @@ namespace NetMQExample.MLAgents
     /// <summary>Agents that belong together.</summary>
     public interface IMultiAgentGroup
     {
-        /// <summary>Its number, from 1 on.</summary>
         int GetId();
 
         void RegisterAgent(Agent agent);

@@ -3,7 +3,7 @@ using UnityEngine;
 
 namespace NetMQExample.MLAgents.Inference
 {
-    /// <summary>What BehaviorParameters has: any asset, which reads as either of those below without a cast.</summary>
+    /// <summary>A model of BehaviorParameters: any asset, which reads as one of those below without a cast.</summary>
     public sealed class AnyModel
     {
         private readonly Object asset;

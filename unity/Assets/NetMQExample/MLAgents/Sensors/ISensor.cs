@@ -69,8 +69,6 @@ namespace NetMQExample.MLAgents.Sensors
         }
 
         public SensorCompressionType SensorCompressionType { get; }
-
-        /// <summary>The order of channels, or null.</summary>
         public int[] CompressedChannelMapping { get; }
 
         public static CompressionSpec Default() => new CompressionSpec(SensorCompressionType.None);
