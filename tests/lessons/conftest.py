@@ -19,7 +19,7 @@ from netmq_example import console
 from netmq_example.messages import Message
 from netmq_example.wire import records
 from tests.machines import Machines
-from tests.programs import LIMIT, ROOT
+from tests.programs import LIMIT, ROOT, steady_port
 
 
 @pytest.fixture
@@ -279,6 +279,30 @@ def make(inside):
     yield make_env
     for env in made:
         env.close()
+
+
+@pytest.fixture
+def served():
+    """served(simulator): the port on which it asks for an environment, in a thread of this process."""
+    from netmq_example.scene import EnvironmentClient
+
+    threads = []
+
+    def serve(client, simulator):
+        # One that is refused looks for another environment for a while.
+        with contextlib.suppress(TimeoutError):
+            client.run(simulator)
+
+    def served(simulator, timeout=5):
+        port = steady_port()
+        client = EnvironmentClient(f"tcp://127.0.0.1:{port}", timeout=timeout)
+        threads.append(threading.Thread(target=serve, args=(client, simulator), daemon=True))
+        threads[-1].start()
+        return port
+
+    yield served
+    for thread in threads:
+        thread.join(LIMIT)
 
 
 @pytest.fixture(scope="module")

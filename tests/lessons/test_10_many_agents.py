@@ -2,8 +2,6 @@
 last bit; and in which order a scene is asked. Faults are in test_10_many_agents_faults.py.
 """
 
-from __future__ import annotations
-
 import contextlib
 import inspect
 import re
@@ -29,7 +27,6 @@ sys.path.append(str(ROOT / "python" / KEY))
 from players import drive, policy  # noqa: E402
 
 from netmq_example.envs import UnityAECEnv, UnityGymEnv, UnityParallelEnv, UnityVectorEnv  # noqa: E402
-from netmq_example.launch import game  # noqa: E402
 from netmq_example.messages import Message, MessageError  # noqa: E402
 from netmq_example.scene import SceneSimulator  # noqa: E402
 from netmq_example.wire import trees  # noqa: E402
@@ -519,28 +516,3 @@ def test_the_world_goes_on_while_python_thinks_if_it_is_to(kind, launch, make):
         ticks = round(float(before - seen["hunter_0"][2]) / 0.01)
         assert rewards["hunter_1"] == pytest.approx(-0.01 * ticks), "rewards are summed"
         assert ticks >= least
-
-
-# The game by its path
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="Windows knows a program by its ending alone")
-@pytest.mark.parametrize(
-    ("system", "file"),
-    [
-        ("linux", "Pursuit.x86_64"),
-        ("linux", "Pursuit"),
-        ("darwin", "Pursuit.app/Contents/MacOS/My Game"),
-        ("win32", "Pursuit.exe"),
-    ],
-)
-def test_a_game_is_found_by_its_path(system, file, tmp_path, monkeypatch):
-    monkeypatch.setattr(sys, "platform", system)
-    folder = tmp_path / "Build [1]"
-    program = folder / file
-    with pytest.raises(FileNotFoundError, match=r"no game at .*Pursuit: there is neither this file nor .*Pursuit\."):
-        game(str(folder / "Pursuit"))
-    program.parent.mkdir(parents=True)
-    program.write_text("#!/bin/sh\n", encoding="ascii")
-    assert game(str(folder / "Pursuit")) == str(program)
-    assert program.stat().st_mode & 0o111, "it was made executable"

@@ -105,10 +105,10 @@ def test_who_is_lost_at_the_reset_as_well_begins_once_more(areas, monkeypatch):
 # Wrong
 
 
-def test_another_number_of_areas_is_one_clear_line(serve, start, client_command, run):
+def test_another_number_of_areas_is_one_clear_line(serve, start_client, run):
     server, endpoint = serve(KEY, "--world", "CartPole", "--areas", "16")
-    words = ["--world", "CartPole", "--areas", "8", "--timeout", "5"]
-    client = start(*client_command("csharp", KEY, endpoint, *words))
+    words = ["--world", "CartPole", "--areas", "8", "--timeout", "3"]
+    client = start_client("csharp", KEY, endpoint, *words)
     text = (
         "wrong-scene: num_envs is 16, and the scene has 8 agents named agent_0 … agent_7: "
         "write num_envs=8, or change their number in the scene"

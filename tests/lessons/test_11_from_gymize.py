@@ -2,8 +2,6 @@
 did wrong: agents that die, leave and come, and scenes that load. The player throws if another thread touches them.
 """
 
-from __future__ import annotations
-
 import string
 import sys
 

@@ -1,7 +1,5 @@
 """Lesson 11, the locator language, in both languages: golden tables, random texts, and the page's tables."""
 
-from __future__ import annotations
-
 import itertools
 import json
 import random

@@ -2,9 +2,6 @@
 nor a script may do to the films.
 """
 
-from __future__ import annotations
-
-import contextlib
 import runpy
 import sys
 import threading
@@ -351,15 +348,9 @@ def peer(films, context):
 
 def begin(films, peer, **options):
     """A film of a view of the peer."""
-    with threaded(films.begin_render, **options):
-        peer.begun()
-
-
-@contextlib.contextmanager
-def threaded(do, **options):
-    thread = threading.Thread(target=do, kwargs=options)
+    thread = threading.Thread(target=films.begin_render, kwargs=options)
     thread.start()
-    yield
+    peer.begun()
     thread.join(LIMIT)
     assert not thread.is_alive()
 
@@ -558,9 +549,9 @@ def test_in_unity_it_is_one_line(names, why, netmq, start):
     assert why in said and "errors: 1" in play.lines
 
 
-def test_a_game_ends_when_it_wants_to_also_without_python(serve, start, client_command):
+def test_a_game_ends_when_it_wants_to_also_without_python(serve, start_client):
     server, endpoint = serve(KEY, "--seconds", "60", "--view", "map")
-    client = start(*client_command("csharp", KEY, endpoint, "--count", "60", "--timeout", "600"))
+    client = start_client("csharp", KEY, endpoint, "--count", "60", "--timeout", "600")
     server.wait_for("^begin map")
     server.kill()
     assert client.wait() == 0, client.output

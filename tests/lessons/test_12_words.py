@@ -103,12 +103,7 @@ CALLS: list[tuple[Any, dict[str, Any], dict[str, list[Any]], dict[str, Any]]] = 
         {**VIEWS, "num_envs": [0], "max_episode_steps": [0], "autoreset_mode": ["same"]},
         of_class(UnityVectorEnv),
     ),
-    (
-        UnityParallelEnv,
-        SOON,
-        VIEWS | NO_SPACES,
-        of_class(UnityParallelEnv),
-    ),
+    (UnityParallelEnv, SOON, VIEWS | NO_SPACES, of_class(UnityParallelEnv)),
     (UnityAECEnv, {}, {"env_name": [""]}, {}),
     (Simulators, {}, {"launch": [["game", None], [""], []], "endpoint": ["here"]}, of_class(Simulators)),
     (Connection, {"socket": None, "timeout": 1}, {}, of_class(Connection)),
@@ -169,14 +164,22 @@ SAYS = {
 }
 
 
+@pytest.fixture(scope="module")
+def tidy():
+    """Garbage of tests before these is no mistake of these classes, and is not looked through again for each call."""
+    with warnings.catch_warnings(action="ignore"):
+        gc.collect()
+    gc.freeze()
+    yield
+    gc.unfreeze()
+
+
+@pytest.mark.usefixtures("tidy")
 @pytest.mark.parametrize(("call", "words", "more", "hints"), CALLS)
 @pytest.mark.filterwarnings("error")
 def test_what_cannot_be_used_is_named_in_one_line(call, words, more, hints, tmp_path, monkeypatch):
     """And what could not be made is forgotten in silence."""
     monkeypatch.chdir(tmp_path)
-    with warnings.catch_warnings(action="ignore"):
-        # Garbage of tests before this one is no mistake of these classes.
-        gc.collect()
     hints = {name: hint for name, hint in hints.items() if name not in NOT_LOOKED_AT}
     odd = []
     for name in dict.fromkeys([*more, *hints]):

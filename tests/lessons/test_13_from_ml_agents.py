@@ -3,12 +3,9 @@ ML-Agents' documentation runs, of early 2020 and of today, in both languages. Ea
 as the page says, and nothing else.
 """
 
-from __future__ import annotations
-
 import importlib
 import re
 import signal
-import threading
 
 import pytest
 
@@ -19,7 +16,6 @@ from tests.programs import LIMIT, ROOT, finished, steady_port
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
 
-from netmq_example.scene import EnvironmentClient  # noqa: E402
 from tests.lessons.scene_clock import Arena, ArenaSimulator, Walker  # noqa: E402
 
 GUIDE = ROOT / "docs" / "guide"
@@ -93,35 +89,35 @@ public class RegisterStringLogSideChannel : MonoBehaviour
     }
 }
 """
-NEW_CHANNEL = """using Unity.MLAgents;
-using Unity.MLAgents.SideChannels;
-using System;
-using UnityEngine;
 
-public class StringLogSideChannel : SideChannel
-{
-    public StringLogSideChannel()
-    {
-        ChannelId = new Guid("621f0a70-4f87-11ea-a6bf-784f4387d1f7");
-    }
 
-    protected override void OnMessageReceived(IncomingMessage msg)
-    {
-        var text = msg.ReadString();
-        Debug.Log("Python says " + text);
-    }
+def written(text: str, changes: dict[str, str]) -> str:
+    """A text of 2020 as the documentation has it today."""
+    for old, new in changes.items():
+        assert text.count(old) == 1, old
+        text = text.replace(old, new)
+    return text
 
-    public void SendDebugStatementToPython(string logString, string stackTrace, LogType type)
+
+NEW_CHANNEL = written(
+    OLD_CHANNEL,
     {
-        if (type != LogType.Error) return;
-        using (var message = new OutgoingMessage())
+        "using MLAgents;\nusing MLAgents.SideChannels;": "using Unity.MLAgents;\nusing Unity.MLAgents.SideChannels;",
+        "using System.Text;\n": "",
+        "public override void OnMess": "protected override void OnMess",
+        "byte[] msg": "IncomingMessage msg",
+        "Encoding.ASCII.GetString(msg)": "msg.ReadString()",
+        """        var line = type + ": " + logString;
+        var bytes = Encoding.ASCII.GetBytes(line);
+        base.QueueMessageToSend(bytes);
+""": """        using (var message = new OutgoingMessage())
         {
             message.WriteString(type + ": " + logString);
             QueueMessageToSend(message);
         }
-    }
-}
-"""
+""",
+    },
+)
 NEW_REGISTER = (
     OLD_REGISTER.replace("using MLAgents;", "using Unity.MLAgents;\nusing Unity.MLAgents.SideChannels;")
     .replace("Academy.Instance.Reg", "SideChannelManager.Reg")
@@ -156,37 +152,21 @@ for i in range(1000):
     env.step()
 env.close()
 """
-NEW_PYTHON = """import uuid
-
-from mlagents_envs.environment import UnityEnvironment
-from mlagents_envs.side_channel.side_channel import IncomingMessage, OutgoingMessage, SideChannel
-
-
-class StringLogChannel(SideChannel):
-    def __init__(self) -> None:
-        super().__init__(uuid.UUID("621f0a70-4f87-11ea-a6bf-784f4387d1f7"))
-
-    def on_message_received(self, msg: IncomingMessage) -> None:
-        print(msg.read_string(), flush=True)
-
-    def send_string(self, data: str) -> None:
-        msg = OutgoingMessage()
+NEW_PYTHON = written(
+    OLD_PYTHON,
+    {
+        "import SideChannel\n": "import IncomingMessage, OutgoingMessage, SideChannel\n",
+        "(self, data: bytes)": "(self, msg: IncomingMessage)",
+        'data.decode("ascii")': "msg.read_string()",
+        """        super().queue_message_to_send(data.encode("ascii"))
+""": """        msg = OutgoingMessage()
         msg.write_string(data)
         super().queue_message_to_send(msg)
-
-
-string_log = StringLogChannel()
-env = UnityEnvironment(side_channels=[string_log])
-env.reset()
-string_log.send_string("the world was made")
-group_name = list(env.behavior_specs.keys())[0]
-for i in range(1000):
-    decision_steps, terminal_steps = env.get_steps(group_name)
-    n_agents = len(decision_steps) + len(terminal_steps)
-    string_log.send_string(f"step {i}, agents: {n_agents}")
-    env.step()
-env.close()
-"""
+""",
+        "base_port=UnityEnvironment.DEFAULT_EDITOR_PORT, ": "",
+        "env.get_agent_groups()[0]": "list(env.behavior_specs.keys())[0]",
+    },
+)
 # The scene: an agent, and the page's manager of lesson 13. Its episodes have ten steps, and in the fourth of them all
 # somebody presses Space.
 WORLD = """using NetMQExample;
@@ -369,15 +349,10 @@ def test_a_project_moves_in_as_the_page_says(tmp_path, start, console, netmq):
     thinking.kill()
 
 
-def test_the_pages_lines_drive_a_moved_scene_by_gymnasium():
+def test_the_pages_lines_drive_a_moved_scene_by_gymnasium(served):
     """Their port is this test's own."""
-    port = steady_port()
-    client = EnvironmentClient(f"tcp://127.0.0.1:{port}", timeout=LIMIT)
     arena = Arena(Walker("Ball", period=5, length=12), name="Main")
-    thread = threading.Thread(target=client.run, args=(ArenaSimulator(arena),), daemon=True)
-    thread.start()
-    exec(BY_GYMNASIUM.replace("5004", f"{port}"), {})
-    thread.join(LIMIT)
+    exec(BY_GYMNASIUM.replace("5004", f"{served(ArenaSimulator(arena), LIMIT)}"), {})
     # Its episodes have three decisions at most.
     assert len(arena.resets) > 100 // 3
 

@@ -3,18 +3,15 @@ lessons 09 to 11. A simulator is in a thread of this process, or launched.
 """
 
 import _thread
-import contextlib
 import os
 import re
-import subprocess
 import sys
 import threading
-import uuid
 
 import pytest
 
 from tests.conftest import PYTHON
-from tests.programs import LIMIT, ROOT, steady_port
+from tests.programs import LIMIT, ROOT, finished, steady_port
 
 pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
 import numpy as np
@@ -43,40 +40,29 @@ from netmq_example.mlagents_envs.side_channel import (
     SideChannelManager,
     StatsSideChannel,
 )
-from netmq_example.mlagents_envs.side_channel.raw_bytes_channel import RawBytesChannel
 from netmq_example.mlagents_envs.unity_channels import EnvironmentParameters, StatsRecorder
-from netmq_example.scene import Agent, EnvironmentClient, Scene, SceneSimulator
-from netmq_example.wire.records import ANSWERS, Record
+from netmq_example.scene import Agent, Scene, SceneSimulator
+from netmq_example.wire import trees
+from netmq_example.wire.records import IDS, MASKS
 from tests.lessons.scene_clock import Arena, ArenaSimulator, Walker
 
 FALLING_BALL = ROOT / "python" / "13_side_channels" / "falling_ball.py"
-BALL, GOAL = "Ball?team=0", "Goal?team=1"
+BALL, GOAL, CORRIDOR = "Ball?team=0", "Goal?team=1", "Corridor?team=0"
 
 
 @pytest.fixture
-def connected():
+def connected(served):
     """connected(simulator, **words): ML-Agents' environment of a simulator in a thread of this process."""
-    made, threads = [], []
-
-    def serve(client, simulator):
-        # One that is refused looks for another environment for a while.
-        with contextlib.suppress(TimeoutError):
-            client.run(simulator)
+    made = []
 
     def connect(simulator, **more):
-        port = steady_port()
-        client = EnvironmentClient(f"tcp://127.0.0.1:{port}", timeout=5)
-        threads.append(threading.Thread(target=serve, args=(client, simulator), daemon=True))
-        threads[-1].start()
-        made.append(UnityEnvironment(base_port=port - 3, worker_id=3, timeout_wait=LIMIT, **more))
+        made.append(UnityEnvironment(base_port=served(simulator) - 3, worker_id=3, timeout_wait=LIMIT, **more))
         return made[-1]
 
     yield connect
     for env in made:
         if env._loaded:
             env.close()
-    for thread in threads:
-        thread.join(LIMIT)
 
 
 @pytest.fixture
@@ -188,17 +174,12 @@ def test_actions_reach_those_who_asked_and_are_for_one_step(arena):
     env.reset()
     env.step()
     assert walkers[0].done[-1] == ((0, 0), ()), "reset forgets it"
-
-
-def test_an_action_for_one_agent_does_not_change_the_callers_array(arena):
-    env = arena(Walker("Ball"), Walker("Ball"))
-    env.reset()
-    floats = np.ones((2, 2), np.float32)
-    env.set_actions(BALL, ActionTuple(floats))
-    env.set_action_for_agent(BALL, 1, ActionTuple(np.full((1, 2), 9)))
+    mine = np.ones((2, 2), np.float32)
+    env.set_actions(BALL, ActionTuple(mine))
+    env.set_action_for_agent(BALL, 2, ActionTuple(np.full((1, 2), 9)))
     env.step()
-    assert floats.tolist() == [[1, 1], [1, 1]]
-    assert [one.done[-1][0] for one in env.arena.walkers] == [(1, 1), (9, 9)]
+    assert [one.done[-1][0] for one in walkers if one.behavior == "Ball"] == [(1, 1), (9, 9)]
+    assert mine.tolist() == [[1, 1], [1, 1]], "the caller's array is not changed"
 
 
 def test_masks_and_groups(arena):
@@ -219,9 +200,6 @@ def test_masks_and_groups(arena):
     env.step()
     over = env.get_steps(BALL)[1]
     assert (over.group_id.tolist(), over.group_reward.tolist()) == ([6], [-2.5])
-
-
-def test_nothing_masked_and_nobody_in_a_group(arena):
     env = arena(Walker("Ball", floats=0, branches=(3,)))
     env.reset()
     now, _ = env.get_steps(BALL)
@@ -287,85 +265,50 @@ env.close()
 """
 
 
-def test_the_scenes_clock_needs_no_gymnasium():
-    port = steady_port()
-    client = EnvironmentClient(f"tcp://127.0.0.1:{port}", timeout=LIMIT)
-    thread = threading.Thread(target=client.run, args=(ArenaSimulator(Arena(Walker("Ball"))),), daemon=True)
-    thread.start()
-    words = [sys.executable, "-c", WITHOUT, str(port), str(LIMIT)]
-    done = subprocess.run(words, cwd=ROOT / "python", capture_output=True, text=True, timeout=LIMIT, check=False)
+def test_the_scenes_clock_needs_no_gymnasium(served):
+    port = served(ArenaSimulator(Arena(Walker("Ball"))), LIMIT)
+    done = finished([sys.executable, "-c", WITHOUT, str(port), str(LIMIT)], cwd=ROOT / "python")
     assert done.stdout == "['Ball?team=0'] 1\n", done.stderr
-    thread.join(LIMIT)
 
 
 # The scene's clock: faults
 
 
 class Wrong(ArenaSimulator):
-    """Its answers to steps are changed by `change`."""
+    """Its answers to steps, and their first section, have other values."""
 
-    def __init__(self, change):
+    def __init__(self, section, answer):
         super().__init__(Arena(Walker("Ball", floats=0, branches=(3,))))
-        self.change = change
+        self.wrong = section, answer
 
     def do(self, request):
         answer = super().do(request)
-        return self.change(answer) or answer if request.id > 1 else answer
+        if request.id > 1:
+            for part, values in zip((answer.sections[0], answer), self.wrong, strict=True):
+                for name, value in values.items():
+                    setattr(part, name, value)
+        return answer
 
 
-def cut_values(answer):
-    answer.sections[0].values = answer.sections[0].values[:-4]
-
-
-def unknown_kind(answer):
-    answer.sections[0].kind = 5
-
-
-def no_ids(answer):
-    answer.sections[0].columns, answer.sections[0].ids = 0, b""
-
-
-def few_masks(answer):
-    answer.sections[0].columns |= 8
-    answer.sections[0].masks = b"\1\0"
-
-
-def not_finite(answer):
-    answer.sections[0].numbers = np.array([np.nan]).tobytes()
-
-
-def no_clock(answer):
-    return Record(ANSWERS, answer.id, answer.sections)
-
-
-def another_kind(answer):
-    from netmq_example.wire import trees
-
-    other = Walker("Ball", floats=3).described()
-    answer.said = trees.write({"kinds": [other]})
-
-
-def no_choices(answer):
-    from netmq_example.wire import trees
-
-    answer.said = trees.write({"kinds": [{**Walker("Cube").described(), "branches": [-1]}]})
+def described(name, **more):
+    return trees.write({"kinds": [{**Walker(name).described(), **more}]})
 
 
 @pytest.mark.parametrize(
-    ("change", "why"),
+    ("section", "answer", "why"),
     [
-        (cut_values, r"12 bytes are not those that 'Ball\?team=0' sees"),
-        (unknown_kind, "there is no behavior 5 of 1"),
-        (no_ids, "agents of the scene's clock have ids"),
-        (few_masks, "masks of .* have 3 choices"),
-        (not_finite, "the reward is nan"),
-        (no_clock, "the answer is none of the scene's clock"),
-        (another_kind, "came twice"),
-        (no_choices, "a branch has at least one choice"),
+        ({"values": bytes(12)}, {}, r"12 bytes are not those that 'Ball\?team=0' sees"),
+        ({"kind": 5}, {}, "there is no behavior 5 of 1"),
+        ({"columns": 0, "ids": b""}, {}, "agents of the scene's clock have ids"),
+        ({"columns": IDS | MASKS, "masks": b"\1\0"}, {}, "masks of .* have 3 choices"),
+        ({"numbers": np.array([np.nan]).tobytes()}, {}, "the reward is nan"),
+        ({}, {"bits": 0}, "the answer is none of the scene's clock"),
+        ({}, {"said": described("Ball", continuous=3)}, "came twice"),
+        ({}, {"said": described("Cube", branches=[-1])}, "a branch has at least one choice"),
     ],
 )
-def test_a_wrong_answer_is_said_in_one_line_and_a_reset_goes_on(change, why, connected):
-    env = connected(Wrong(change))
+def test_a_wrong_answer_is_said_in_one_line_and_a_reset_goes_on(section, answer, why, connected):
+    env = connected(Wrong(section, answer))
     env.reset()
     with pytest.raises(UnityCommunicationException, match=why) as raised:
         env.step()
@@ -398,30 +341,6 @@ def test_after_a_step_that_was_interrupted_the_next_one_is_a_reset(arena):
     assert env.arena.walkers[0].done == [((1, 2), ())], "it was done once"
     env.step()
     assert env.arena.ticks == 2 and env.arena.walkers[0].done[1:] == [((0, 0), ())]
-
-
-def test_another_simulator_goes_on_with_the_same_behaviors(monkeypatch):
-    monkeypatch.setenv("PYTHONPATH", f"{ROOT}:{ROOT / 'python'}".replace(":", os.pathsep))
-    env = UnityEnvironment(str(PYTHON), additional_args=["-m", "tests.lessons.scene_clock"], timeout_wait=LIMIT)
-    try:
-        env.reset()
-        env.step()
-        before = dict(env.behavior_specs)
-        env._process.kill()
-        env._process.wait()
-        with pytest.raises(
-            UnityCommunicatorStoppedException, match=r"^the simulator is lost: .*; reset waits for another"
-        ):
-            env.step()
-        with pytest.raises(KeyError, match="call reset before get_steps"):
-            env.get_steps(BALL)
-        env.reset()
-        env.set_actions(BALL, np.ones((2, 2)))
-        env.step()
-        assert dict(env.behavior_specs) == before and list(before) == [BALL, GOAL]
-        assert ids(env) == ([0, 1], [])
-    finally:
-        env.close()
 
 
 def test_a_reset_without_an_answer_does_not_wait_twice(arena, monkeypatch):
@@ -481,58 +400,44 @@ def corridor(connected):
 def test_what_is_seen_and_done_has_its_names(corridor):
     env = corridor()
     env.step()
-    (name,) = env.get_behavior_names()
-    assert (name, list(env.behavior_specs)) == ("Corridor?team=0", [name])
-    spec = env.behavior_specs[name]
+    assert env.get_behavior_names() == list(env.behavior_specs) == [CORRIDOR]
+    spec = env.behavior_specs[CORRIDOR]
     assert [(one.name, one.shape) for one in spec.observation_specs] == [("done", (2,)), ("step", (1,))]
     assert spec.action_spec == (2, ()) and spec.action_spec.is_continuous()
-    now, over = env.get_steps(name)
+    now, over = env.get_steps(CORRIDOR)
     assert (len(now), len(over), list(now), now.reward.tolist()) == (1, 0, [0], [0.0])
     assert [seen.shape for seen in now.obs] == [(1, 2), (1, 1)]
     assert [seen.shape for seen in over.obs] == [(0, 2), (0, 1)]
     assert now.action_mask is None and [now.group_id.tolist(), now.group_reward.tolist()] == [[0], [0.0]]
-    env.set_action_for_agent(name, 0, ActionTuple(np.array([[0.25, -1]])))
+    env.set_action_for_agent(CORRIDOR, 0, ActionTuple(np.array([[0.25, -1]])))
     env.step()
-    now, _ = env.get_steps(name)
+    now, _ = env.get_steps(CORRIDOR)
     assert now[0].obs[0].tolist() == [0.25, -1] and now[0].reward == 0.5
     env.step()
-    assert env.get_steps(name)[0].obs[0].tolist() == [[0, 0]], "an action is for one step"
-    env.set_actions(name, spec.action_spec.random_action(1))
+    assert env.get_steps(CORRIDOR)[0].obs[0].tolist() == [[0, 0]], "an action is for one step"
+    env.set_actions(CORRIDOR, spec.action_spec.random_action(1))
     env.step()
-    assert 0 < np.abs(env.get_steps(name)[0].obs[0]).max() <= 1
+    assert 0 < np.abs(env.get_steps(CORRIDOR)[0].obs[0]).max() <= 1
 
 
-@pytest.mark.parametrize("terminates", [True, False])
-def test_the_step_that_ends_an_episode_begins_the_next_one(terminates, corridor):
-    env = corridor(Discrete(3, start=5), (2, terminates))
+@pytest.mark.parametrize(
+    ("last", "most", "interrupted"),
+    [((2, True), 0, False), ((2, False), 0, True), ((3, True), 2, True), ((2, True), 2, False)],
+    ids=["terminated", "truncated", "by its time", "in the last step of its time"],
+)
+def test_the_step_that_ends_an_episode_begins_the_next_one(last, most, interrupted, corridor):
+    env = corridor(Discrete(3, start=5), last, max_episode_steps=most)
     env.reset()
-    (name,) = env.behavior_specs
-    env.set_actions(name, np.array([[2]]))
-    env.step()
-    assert env.get_steps(name)[0].obs[0].tolist() == [[7, 7]], "0 is the first that there is"
-    env.step()
-    now, over = env.get_steps(name)
-    assert (list(now), list(over)) == ([0], [0]), "an agent keeps its id"
-    assert over[0].obs[1] == 2 and over[0].reward == 0.5 and bool(over[0].interrupted) == (not terminates)
-    assert now[0].obs[1] == 0 and now[0].reward == 0
-    env.step()
-    assert len(env.get_steps(name)[1]) == 0
-    env.reset()
-    assert list(env.get_steps(name)[0]) == [0]
-
-
-@pytest.mark.parametrize(("end", "interrupted"), [(3, True), (2, False)])
-def test_max_step_ends_an_episode_and_an_end_in_the_last_step_is_no_interruption(end, interrupted, corridor):
-    env = corridor(None, (end, True), max_episode_steps=2)
-    env.reset()
-    (name,) = env.behavior_specs
     for _ in range(2):
+        env.set_actions(CORRIDOR, np.array([[2]]))
         env.step()
-        assert len(env.get_steps(name)[1]) == 0
+        now, over = env.get_steps(CORRIDOR)
+        assert now.obs[0].tolist() == [[7, 7]] and len(over) == 0, "0 is the first that there is"
         env.step()
-        now, over = env.get_steps(name)
-        assert over.interrupted.tolist() == [interrupted] and over.obs[1].tolist() == [[2]]
-        assert now.obs[1].tolist() == [[0]]
+        now, over = env.get_steps(CORRIDOR)
+        assert (list(now), list(over)) == ([0], [0]), "an agent keeps its id"
+        assert over.obs[1].tolist() == [[2]] and over[0].reward == 0.5 and bool(over[0].interrupted) == interrupted
+        assert now.obs[1].tolist() == [[0]] and now[0].reward == 0
 
 
 def test_several_kinds_of_several_agents(connected):
@@ -554,21 +459,22 @@ def test_several_kinds_of_several_agents(connected):
 
 
 @pytest.mark.parametrize(
-    ("space", "branches", "action", "done"),
+    ("space", "spec", "action", "done"),
     [
-        (MultiDiscrete([2, 5]), (2, 5), [[1, 4]], [1, 4]),
-        (MultiBinary(2), (2, 2), [[0, 1]], [0, 1]),
-        (Discrete(3, start=-1), (3,), [[0]], -1),
+        (MultiDiscrete([2, 5]), (0, (2, 5)), [[1, 4]], [1, 4]),
+        (MultiBinary(2), (0, (2, 2)), [[0, 1]], [0, 1]),
+        (Discrete(3, start=-1), (0, (3,)), [[0]], -1),
+        # A float32 at the limit of a float64 is within it.
+        (Box(-0.1, 0.1, (2,), np.float64), (2, ()), [[0.1, -0.1]], [0.1, -0.1]),
     ],
 )
-def test_whole_numbers(space, branches, action, done, corridor):
+def test_actions_of_each_space(space, spec, action, done, corridor):
     env = corridor(space)
     env.reset()
-    (name,) = env.behavior_specs
-    assert env.behavior_specs[name].action_spec == (0, branches)
-    env.set_actions(name, ActionTuple(discrete=np.array(action)))
+    assert env.behavior_specs[CORRIDOR].action_spec == spec
+    env.set_actions(CORRIDOR, np.array(action))
     env.step()
-    assert np.array_equal(env.get_steps(name)[0].obs[0][0], np.resize(done, 2))
+    assert env.get_steps(CORRIDOR)[0].obs[0][0] == pytest.approx(np.resize(done, 2))
 
 
 class Mixed(Agent):
@@ -684,31 +590,30 @@ def test_what_is_wrong_is_said_in_one_line(corridor, connected):
     ):
         corridor(Text(3))
     env = corridor(None, (2, True))
-    (name,) = env.behavior_specs
-    env.set_actions(name, np.full((1, 2), 0.75))
+    env.set_actions(CORRIDOR, np.full((1, 2), 0.75))
     with pytest.raises(KeyError, match="call reset before get_steps"):
-        env.get_steps(name)
+        env.get_steps(CORRIDOR)
     env.reset()
     env.step()
-    assert env.get_steps(name)[0].obs[0].tolist() == [[0, 0]], "what was set before the first reset is none"
+    assert env.get_steps(CORRIDOR)[0].obs[0].tolist() == [[0, 0]], "what was set before the first reset is none"
     with pytest.raises(UnityActionException, match=r"^there is no behavior 'Maze'; there is: Corridor\?team=0$"):
         env.get_steps("Maze")
     takes = "(1, 2) floats and (1, 0) whole numbers, [agents, size]"
     shapes = re.escape(f"Corridor?team=0 takes {takes}, and not (1, 3) and (1, 0)")
     with pytest.raises(ValueError, match=f"^{shapes}$"):
-        env.set_actions(name, np.zeros((1, 3)))
+        env.set_actions(CORRIDOR, np.zeros((1, 3)))
     with pytest.raises(UnityActionException, match=r"^Corridor\?team=0 takes an ActionTuple, not \[\[1\], \[2, 3\]\]"):
-        env.set_actions(name, [[1], [2, 3]])
+        env.set_actions(CORRIDOR, [[1], [2, 3]])
     with pytest.raises(UnityActionException, match="discrete actions are whole numbers of 32 bits"):
         ActionTuple(discrete=np.array([[2**40]]))
     with pytest.raises(IndexError, match="agent 7 of"):
-        env.set_action_for_agent(name, 7, np.zeros((1, 2)))
-    env.set_actions(name, np.array([[0, 1.5]]))
+        env.set_action_for_agent(CORRIDOR, 7, np.zeros((1, 2)))
+    env.set_actions(CORRIDOR, np.array([[0, 1.5]]))
     with pytest.raises(UnityActionException, match=r"1\.5.* not in Box"):
         env.step()
     # Nothing has moved, and the next step goes on.
     env.step()
-    assert env.get_steps(name)[1].obs[1].tolist() == [[2]]
+    assert env.get_steps(CORRIDOR)[1].obs[1].tolist() == [[2]]
     with pytest.raises(ValueError, match="max_episode_steps"):
         UnityEnvironment(max_episode_steps=-1)
     with pytest.raises(UnityEnvironmentException, match=r"^num_areas: nothing copies areas here"):
@@ -717,15 +622,6 @@ def test_what_is_wrong_is_said_in_one_line(corridor, connected):
         UnityEnvironment(additional_args="-batchmode")
     with pytest.raises(ValueError, match="base_port takes"):
         UnityEnvironment(base_port="5004")
-
-
-def test_a_float32_at_the_limit_of_a_float64_is_within_it(corridor):
-    env = corridor(Box(-0.1, 0.1, (2,), np.float64))
-    env.reset()
-    (name,) = env.behavior_specs
-    env.set_actions(name, np.array([[0.1, -0.1]]))
-    env.step()
-    assert env.get_steps(name)[0].obs[0] == pytest.approx(np.array([[0.1, -0.1]]))
 
 
 def test_a_mistake_in_the_scene_is_an_exception_of_ml_agents(connected):
@@ -787,12 +683,13 @@ def test_ports_and_names(corridor):
     assert env._simulators.connection.endpoint.endswith(f":{env._port}") and env._process is None
 
 
-def test_a_simulator_that_is_missing_has_ml_agents_names(corridor):
-    port = steady_port()
+def test_a_simulator_that_is_missing_has_ml_agents_names(corridor, tmp_path):
     with pytest.raises(UnityTimeOutException, match="no simulator came"):
-        UnityEnvironment(base_port=port, timeout_wait=0.1)
+        UnityEnvironment(base_port=steady_port(), timeout_wait=0.1)
     with pytest.raises(UnityTimeOutException, match="the simulator ended with code 2"):
         UnityEnvironment(str(PYTHON), additional_args=["nothing.py"])
+    with pytest.raises(UnityEnvironmentException, match="no game at"):
+        UnityEnvironment(str(tmp_path / "game"), no_graphics=True)
     taken = corridor()._port
     in_use = rf"^the port of worker 2 is in use: .*cannot listen on tcp://127.0.0.1:{taken}: "
     with pytest.raises(UnityWorkerInUseException, match=in_use):
@@ -801,17 +698,6 @@ def test_a_simulator_that_is_missing_has_ml_agents_names(corridor):
         UnityEnvironment(["game"])
     # Scripts that catch Python's own catch them as well.
     assert issubclass(UnityTimeOutException, UnityException) and issubclass(UnityTimeOutException, TimeoutError)
-
-
-def test_a_simulator_of_another_release_is_named(connected):
-    class Older(ArenaSimulator):
-        def describe(self):
-            hello = super().describe()
-            hello.values["record"] = 1
-            return hello
-
-    with pytest.raises(UnityEnvironmentException, match=r"^old-record: the simulator speaks record 1"):
-        connected(Older(Arena(Walker("Ball"))))
 
 
 def test_after_close_it_says_so(corridor):
@@ -845,25 +731,29 @@ def test_graphics_are_for_the_first_worker_where_one_watches():
         assert ("-nographics -batchmode" in str(raised.value)) == bool(worker)
 
 
-def test_a_build_is_launched_and_once_more_when_it_is_lost(tmp_path):
+@pytest.mark.parametrize(
+    ("words", "agents"),
+    [(["-m", "tests.lessons.scene_clock"], [0, 1]), ([str(FALLING_BALL)], [0])],
+    ids=["the scene's clock", "Python's clock"],
+)
+def test_a_build_is_launched_and_once_more_when_it_is_lost(words, agents, monkeypatch):
     """With the words that a build takes: here Python is the build."""
-    channel = RawBytesChannel(uuid.uuid4())
-    env = UnityEnvironment(str(PYTHON), additional_args=[str(FALLING_BALL)], seed=3, side_channels=[channel])
+    monkeypatch.setenv("PYTHONPATH", f"{ROOT}{os.pathsep}{ROOT / 'python'}")
+    env = UnityEnvironment(str(PYTHON), additional_args=words, seed=3, timeout_wait=LIMIT)
     try:
         env.reset()
-        (name,) = env.get_behavior_names()
-        assert name == "Ball?team=0" and env.behavior_specs[name].observation_shapes == [(1,)]
-        first = env.get_steps(name)[0].obs[0].tolist()
+        env.step()
+        before = dict(env.behavior_specs)
         env._process.kill()
         env._process.wait()
-        with pytest.raises(UnityCommunicatorStoppedException, match=r"^the simulator is lost: the simulator is gone; "):
+        lost = r"^the simulator is lost: .*; reset waits for another"
+        with pytest.raises(UnityCommunicatorStoppedException, match=lost):
             env.step()
         with pytest.raises(KeyError, match="call reset before get_steps"):
-            env.get_steps(name)
+            env.get_steps(BALL)
         env.reset()
+        env.set_actions(BALL, before[BALL].action_spec.random_action(len(agents)))
         env.step()
-        assert ids(env, name) == ([0], []) and first, "another one goes on"
+        assert dict(env.behavior_specs) == before and ids(env) == (agents, [])
     finally:
         env.close()
-    with pytest.raises(UnityEnvironmentException, match="no game at"):
-        UnityEnvironment(str(tmp_path / "game"), no_graphics=True)

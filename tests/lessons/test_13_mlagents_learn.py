@@ -48,13 +48,14 @@ def test_each_package_that_is_missing_has_a_line(monkeypatch):
         assert pin in line and ("--no-deps --ignore-requires-python" in line) == module.startswith("mlagents")
 
 
-VERSIONS = {"protobuf": "5.29.3", "cattrs": "24.1.2", "torch": "2.4.1", "numpy": "1.26.4", "mlagents": "1.1.0"}
+OLD = {"protobuf": "3.20.3", "cattrs": "1.5.0", "torch": "2.4.1", "mlagents": "1.1.0"}
+TOO_NEW = {"protobuf": "5.29.3", "cattrs": "24.1.2"}
 
 
 @pytest.fixture
 def versions(monkeypatch):
     """As if all was installed, in these versions."""
-    chosen = {**VERSIONS, "protobuf": "3.20.3", "cattrs": "1.5.0"}
+    chosen = {**OLD, "numpy": "1.26.4"}
     monkeypatch.setattr(mlagents_learn, "found", lambda module: True)
     monkeypatch.setattr(metadata, "version", chosen.__getitem__)
     monkeypatch.setattr(sys, "version_info", (3, 11, 9))
@@ -64,9 +65,9 @@ def versions(monkeypatch):
 @pytest.mark.parametrize("package", ["protobuf", "cattrs"])
 def test_a_version_that_is_too_new_has_a_line(package, versions):
     assert mlagents_learn.missing() == []
-    versions[package] = VERSIONS[package]
+    versions[package] = TOO_NEW[package]
     (line,) = mlagents_learn.missing()
-    assert line.startswith(f"{package} {VERSIONS[package]} is too new for ML-Agents: ")
+    assert line.startswith(f"{package} {TOO_NEW[package]} is too new for ML-Agents: ")
     assert re.search(rf"pip install {package}==[\d.]+$", line)
 
 
@@ -156,7 +157,6 @@ def run_cli(options):
     process.join()
 """,
 }
-OLD = {"protobuf": "3.20.3", "cattrs": "1.5.0", "torch": "2.4.1", "mlagents": "1.1.0"}
 
 
 @pytest.fixture
@@ -181,11 +181,9 @@ def fakes(tmp_path):
 def test_the_kit_stands_in_the_place_of_mlagents_envs_also_in_a_worker_that_is_spawned(fakes):
     done = fakes("config.yaml", "--env=Game")
     assert done.returncode == 0, done.stdout + done.stderr
-    own = [
-        f"netmq_example.mlagents_envs.{name}" for name in ("environment", "side_channel.stats_side_channel", "timers")
-    ]
-    own += [f"netmq_example.mlagents_envs.{name}" for name in ("logging_util", "envs.unity_gym_env")]
-    told = [" ".join([*own, "mlagents_envs.rpc_utils"]), "1.1.0 True True"]
+    own = "environment", "side_channel.stats_side_channel", "timers", "logging_util", "envs.unity_gym_env"
+    places = [f"netmq_example.mlagents_envs.{name}" for name in own]
+    told = [" ".join([*places, "mlagents_envs.rpc_utils"]), "1.1.0 True True"]
     exported = "exported a model a.onnx False"
     assert done.stdout.splitlines() == ["['config.yaml', '--env=Game']", exported, *told, *told]
 
@@ -211,8 +209,7 @@ def test_an_error_of_the_trainers_is_one_line(fakes, word, says):
 def test_a_place_that_is_taken_already_is_an_error():
     script = "import sys, mlagents_envs; from netmq_example.mlagents_learn import take_place; take_place()"
     words = [sys.executable, "-c", f"import sys; sys.modules['mlagents_envs'] = sys; {script}"]
-    done = subprocess.run(words, cwd=ROOT / "python", capture_output=True, text=True, timeout=LIMIT, check=False)
-    assert "take_place comes before the first import of mlagents_envs" in done.stderr
+    assert "take_place comes before the first import of mlagents_envs" in finished(words, cwd=ROOT / "python").stderr
 
 
 # From here on ML-Agents itself trains.
@@ -363,10 +360,11 @@ def test_what_is_learnt_is_what_ml_agents_learns_in_process(training):
     assert len(means) == 3 and means[2] > 3 * means[0], means
     results = training.folder / "results"
     assert weights(results / "here" / "Pole") == weights(results / "there" / "Pole")
+    assert 7 <= training.model("here") <= 15
 
 
 @trains
-@pytest.mark.parametrize(("trainer", "more"), [("ppo", PPO), ("sac", SAC), ("poca", PPO)])
+@pytest.mark.parametrize(("trainer", "more"), [("sac", SAC), ("poca", PPO)])
 def test_trainers_write_a_model_that_unity_reads(training, trainer, more):
     training.config(trainer=trainer, more=more)
     printed = training.run(f"--env={POLES}", "--run-id=a")
@@ -375,9 +373,11 @@ def test_trainers_write_a_model_that_unity_reads(training, trainer, more):
 
 
 @trains
-def test_several_simulators_then_on_and_anew(training):
+def test_several_simulators_in_workers_that_are_spawned_then_on_and_anew(training):
     training.config(steps=2000)
-    training.run(f"--env={POLES}", "--run-id=a", "--num-envs=2", "--no-graphics")
+    (training.folder / "spawn.py").write_text(SPAWN, encoding="utf-8")
+    words = ["--run-id=a", "--num-envs=2", "--no-graphics"]
+    assert SUMMARY.findall(training.run(f"--env={POLES}", *words, program=[sys.executable, "spawn.py"]))
     training.config(steps=4000)
     printed = training.run(f"--env={POLES}", "--run-id=a", "--resume")
     assert re.search(r"Resuming training from step 20\d\d", printed)
@@ -400,25 +400,12 @@ def test_a_model_plays_and_learns_no_more(training):
 
 
 @trains
-def test_an_empty_file_and_a_simulator_that_is_lost_for_good_are_errors(training):
-    (training.folder / "config.yaml").write_text("", encoding="utf-8")
-    empty = finished(training.words(), env=training.environment, cwd=training.folder)
-    assert empty.returncode == 1 and empty.stderr.endswith(
-        "has no settings: write behaviors:, and below it those of each behavior\n"
-    )
+def test_a_simulator_that_is_lost_for_good_is_an_error(training):
     training.config(add="env_settings: {max_lifetime_restarts: 0}\n")
     (training.folder / "scene.py").write_text(LOST, encoding="utf-8")
     lost = finished(training.words("--env=scene.py", "--run-id=a"), env=training.environment, cwd=training.folder)
     assert lost.returncode == 1 and "Traceback" not in lost.stderr
     assert "mlagents-learn ended: the simulator is lost" in lost.stderr
-
-
-@trains
-def test_workers_that_are_spawned(training):
-    (training.folder / "spawn.py").write_text(SPAWN, encoding="utf-8")
-    training.config(steps=1000)
-    program = [sys.executable, "spawn.py"]
-    assert SUMMARY.findall(training.run(f"--env={POLES}", "--run-id=a", "--num-envs=2", program=program))
 
 
 @trains

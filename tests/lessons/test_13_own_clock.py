@@ -1,13 +1,11 @@
 """A scene by its own clock, as ML-Agents' are, behind the classes for Gymnasium, PettingZoo and Stable-Baselines3."""
 
-import contextlib
 import os
-import threading
 
 import pytest
 
 from tests.conftest import PYTHON
-from tests.programs import LIMIT, ROOT, steady_port
+from tests.programs import LIMIT, ROOT
 
 pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
 import gymnasium
@@ -19,35 +17,23 @@ from netmq_example.envs import UnityGymEnv, UnityVectorEnv, carry
 from netmq_example.messages import MessageError
 from netmq_example.mlagents_envs.side_channel import EnvironmentParametersChannel, SideChannelManager
 from netmq_example.mlagents_envs.unity_channels import EnvironmentParameters
-from netmq_example.scene import EnvironmentClient
 from tests.lessons.scene_clock import Arena, ArenaSimulator, Walker
 
 
 @pytest.fixture
-def world():
-    """world(make, *walkers, **words): an environment of `make` whose scene, by its own clock, is `env.arena`."""
-    made, threads = [], []
+def world(served):
+    """world(make, *walkers, **words): an environment of `make`, and its scene, which goes by its own clock."""
+    made = []
 
     def connect(make, *walkers, channels=None, **words):
-        endpoint = f"tcp://127.0.0.1:{steady_port()}"
-        client = EnvironmentClient(endpoint, timeout=5)
         arena = Arena(*walkers)
-
-        def serve():
-            # One that is refused looks for another environment for a while.
-            with contextlib.suppress(TimeoutError):
-                client.run(ArenaSimulator(arena, channels))
-
-        threads.append(threading.Thread(target=serve, daemon=True))
-        threads[-1].start()
+        endpoint = f"tcp://127.0.0.1:{served(ArenaSimulator(arena, channels))}"
         made.append(make(env_name="Arena", endpoint=endpoint, wait=LIMIT, **words))
         return made[-1], arena
 
     yield connect
     for env in made:
         env.close()
-    for thread in threads:
-        thread.join(LIMIT)
 
 
 @pytest.mark.parametrize("interrupted", [False, True])

@@ -1,23 +1,26 @@
-"""Lesson 13: the programs that exchange side channels. Their bytes are in test_13_side_channels_bytes.py."""
-
-from __future__ import annotations
+"""Lesson 13: the programs that exchange side channels, also with one that says too much, which is a line and not the
+others' business. Their bytes are in test_13_side_channels_bytes.py.
+"""
 
 import re
 import signal
 import subprocess
 import time
+import uuid
 
 import zmq
 
 from kitlib.docs import guide
 from netmq_example.mlagents_envs.carrier import Carrier
-from netmq_example.mlagents_envs.side_channel.engine_configuration_channel import (
+from netmq_example.mlagents_envs.side_channel import (
     EngineConfig,
     EngineConfigurationChannel,
+    EnvironmentParametersChannel,
+    FloatPropertiesChannel,
+    RawBytesChannel,
+    SideChannelManager,
+    StatsSideChannel,
 )
-from netmq_example.mlagents_envs.side_channel.float_properties_channel import FloatPropertiesChannel
-from netmq_example.mlagents_envs.side_channel.raw_bytes_channel import RawBytesChannel
-from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
 from netmq_example.mlagents_envs.unity_channels import EnvironmentParameters
 from tests.conftest import PYTHON
 from tests.lessons.conftest import bind
@@ -25,9 +28,11 @@ from tests.lessons.test_13_side_channels_bytes import (
     LOG,
     RUNTIMES,
     STRANGER,
+    TERMINALS,
     each_client,
     each_runtime,
     each_terminal,
+    frame,
 )
 from tests.programs import LIMIT, PATIENT, ROOT, finished, steady_endpoint
 from tests.unity.test_unity_play import needs_mono
@@ -55,9 +60,9 @@ LINES = [
 
 
 @each_client
-def test_all_clients_print_the_same(kind, serve, start, client_command):
+def test_all_clients_print_the_same(kind, serve, start_client):
     server, endpoint = serve(KEY)
-    client = start(*client_command(kind, KEY, endpoint, *PATIENT))
+    client = start_client(kind, KEY, endpoint, *PATIENT)
     assert client.wait() == 0, client.output
     assert sorted(client.lines) == sorted([f"asking {endpoint}", *LINES])
     server.wait_for("stats: 'mass' 1.3885 average")
@@ -87,41 +92,43 @@ def test_trouble_in_one_conversation_is_not_the_others_business(kind, serve, run
         assert [line for line in server.lines if line.startswith("trouble")] == there
 
 
-@each_terminal
-def test_a_server_that_was_started_again_is_told_again(kind, serve, start, client_command):
+def test_a_server_that_was_started_again_is_told_again(serve, start_client):
     server, endpoint = serve(KEY)
-    client = start(*client_command(kind, KEY, endpoint, "--count", "500", *PATIENT))
-    client.wait_for("^20: ")
+    clients = [start_client(kind, KEY, endpoint, "--count", "500", *PATIENT) for kind in TERMINALS]
+    for client in clients:
+        client.wait_for("^20: ")
     server.kill()
     again, _ = serve(KEY, endpoint=endpoint)
-    assert client.wait(240) == 0, client.output[-2000:]
-    assert client.lines.count("From Python : Hello") == 2
-    assert [line for line in client.lines if re.match(r"\d+: ", line)][-1].startswith("500: ")
+    for client in clients:
+        assert client.wait(240) == 0, client.output[-2000:]
+        assert client.lines.count("From Python : Hello") == 2
+        assert [line for line in client.lines if re.match(r"\d+: ", line)][-1].startswith("500: ")
     assert again.stop() == 0
 
 
-@each_terminal
-def test_what_both_sides_slept_is_no_silence(kind, serve, start, client_command):
-    """A laptop's lid was closed; the client is awake first."""
+def test_what_both_sides_slept_is_no_silence(serve, start_client):
+    """A laptop's lid was closed; the clients are awake first."""
     server, endpoint = serve(KEY)
-    client = start(*client_command(kind, KEY, endpoint, "--count", "100000", "--timeout", "4"))
-    client.wait_for("^20: ")
-    for each in client, server:
+    clients = [start_client(kind, KEY, endpoint, "--count", "100000", "--timeout", "4") for kind in TERMINALS]
+    for client in clients:
+        client.wait_for("^20: ")
+    for each in *clients, server:
         each.process.send_signal(signal.SIGSTOP)
-    # Longer than any of the client's timeouts, and this is what is tested.
+    # Longer than any of the clients' timeouts, and this is what is tested.
     time.sleep(9)
-    for each in client, server:
+    for each in *clients, server:
         each.process.send_signal(signal.SIGCONT)
         time.sleep(0.3)
-    client.wait_for("^[0-9]+: ", start=len(client.lines))
+    for client in clients:
+        client.wait_for("^[0-9]+: ", start=len(client.lines))
 
 
 @each_terminal
-def test_a_round_that_was_lost_is_told_again(kind, serve, start, client_command, context):
+def test_a_round_that_was_lost_is_told_again(kind, serve, start_client, context):
     """A server takes it, and is gone before it says that it has."""
     with context.socket(zmq.ROUTER) as dying:
         endpoint = bind(dying, steady_endpoint())
-        client = start(*client_command(kind, KEY, endpoint, "--count", "2", *PATIENT))
+        client = start_client(kind, KEY, endpoint, "--count", "2", *PATIENT)
         assert dying.poll(60_000)
         peer, _ = dying.recv_multipart()
         seen = FloatPropertiesChannel()
@@ -135,13 +142,13 @@ def test_a_round_that_was_lost_is_told_again(kind, serve, start, client_command,
 
 
 @each_terminal
-def test_a_server_of_something_else_is_given_up(kind, start, client_command, context):
+def test_a_server_of_something_else_is_given_up(kind, start_client, context):
     """One that answers everything, and never what was asked."""
     with context.socket(zmq.ROUTER) as echo:
         endpoint = bind(echo)
         # A busy machine may not echo within a second.
         for limit in (1, 10, 60):
-            client = start(*client_command(kind, KEY, endpoint, "--timeout", f"{limit}"))
+            client = start_client(kind, KEY, endpoint, "--timeout", f"{limit}")
             while client.process.poll() is None:
                 if echo.poll(50):
                     echo.send_multipart(echo.recv_multipart())
@@ -204,9 +211,7 @@ def test_unity_does_what_the_settings_say(runtime, netmq, checks):
     channel = EngineConfigurationChannel()
     channel.set_configuration(EngineConfig(640, 480, 2, 0.25, 72, 30))
     exchange = SideChannelManager([channel]).generate_side_channel_messages().hex()
-    command = [RUNTIMES[runtime], checks, "sidechannels", "settings", exchange]
-    done = finished(command)
-    assert done.stdout.splitlines() == [
+    assert finished([RUNTIMES[runtime], checks, "sidechannels", "settings", exchange]).stdout.splitlines() == [
         "engine: screen resolution 640 x 480",
         "engine: quality level 2",
         # As ML-Agents does: no slower than time is.
@@ -243,3 +248,105 @@ def test_pictures_are_raw_bytes_in_their_order(checks, context):
             finally:
                 sender.kill()
     assert (seen, sender.returncode) == (count, 0)
+
+
+# One that says too much, or nothing
+
+
+PROPERTIES = FloatPropertiesChannel().channel_id
+
+
+def test_one_that_says_too_much_does_not_keep_the_others_waiting(serve, connect):
+    _, endpoint = serve(KEY)
+    talker, other = connect(endpoint), connect(endpoint)
+    talker.send(b"")
+    assert talker.poll(60_000)
+    talker.recv()
+    # Each is answered with the property `seen`, 32 bytes.
+    talker.send(frame(PROPERTIES, b"") * 100_000)
+    other.send(b"")
+    assert other.poll(60_000)
+    assert b"Hello" in other.recv()
+    answered = 0
+    while talker.poll(0):
+        answered += talker.recv().count(b"seen")
+    assert answered < 100_000, "the other was answered in between"
+    while answered < 100_000:
+        assert talker.poll(60_000), answered
+        answered += talker.recv().count(b"seen")
+    assert answered == 100_000, "and nothing was lost"
+
+
+def test_a_flood_of_what_is_wrong_is_no_flood_of_lines(start_client, context):
+    """Messages that nobody can read, to a channel that is there and to one that is not."""
+    wrong = frame(PROPERTIES, b"\xff" * 4) * 500 + frame(uuid.UUID(int=7), b"") * 500
+    with context.socket(zmq.ROUTER) as server:
+        endpoint = bind(server)
+        # How many more there were is said each second. A busy machine may have no word within four seconds.
+        for limit in (4, 20, 60):
+            clients = [start_client(kind, KEY, endpoint, "--timeout", f"{limit}") for kind in TERMINALS]
+            while any(client.process.poll() is None for client in clients):
+                if server.poll(50):
+                    server.send_multipart([server.recv_multipart()[0], wrong])
+                    time.sleep(0.1)
+            assert [client.wait() for client in clients] == [1, 1]
+            said = [[line for line in client.lines if line.startswith("trouble: ")] for client in clients]
+            assert max(map(len, said)) < 5 * limit
+            if all(re.search(r"\(and \d{3,} more\)$", "\n".join(lines), re.MULTILINE) for lines in said):
+                break
+        else:
+            raise AssertionError(said)
+
+
+@each_terminal
+def test_what_is_no_number_is_printed_in_the_same_way(kind, start_client, context):
+    """It is queued between two exchanges, and leaves with `send`."""
+    with context.socket(zmq.ROUTER) as socket:
+        socket.rcvtimeo, endpoint, parameters = 20, bind(socket), []
+
+        def welcome():
+            # A client that was not answered soon comes again with a new socket.
+            parameters.append(EnvironmentParametersChannel())
+            parameters[-1].set_float_parameter("gravity", 1)
+            return SideChannelManager([parameters[-1]])
+
+        carrier = Carrier(socket, welcome, print)
+        client = start_client(kind, KEY, endpoint, *PATIENT)
+        while "gravity is now 1.00" not in client.lines:
+            assert client.process.poll() is None, client.output
+            carrier.exchange()
+        for value in ("inf", "-inf", "nan"):
+            parameters[-1].set_float_parameter("gravity", float(value))
+            carrier.send()
+            client.wait_for(f"gravity is now {value}$")
+
+
+def test_a_python_that_is_silent_for_longer_is_waited_for(start, checks, context):
+    """Before it is there for the first time, and in the middle; each time that is one line."""
+    endpoint = steady_endpoint()
+    player = start("dotnet", checks, "scene", "OwnChannels", endpoint, "1")
+    silence = f"^no word from {endpoint} within 1 s; is the server running. It is tried again and again$"
+    player.wait_for(silence)
+    parameters, stats = [], StatsSideChannel()
+
+    def welcome() -> SideChannelManager:
+        # Each has its own: the first that is heard here may be a socket that the player has replaced meanwhile.
+        parameters.append(EnvironmentParametersChannel())
+        parameters[-1].set_float_parameter("wind", 1)
+        return SideChannelManager([parameters[-1], stats])
+
+    with context.socket(zmq.ROUTER) as socket:
+        socket.rcvtimeo = 20
+        socket.bind(endpoint)
+        carrier = Carrier(socket, welcome, print)
+        for wind in (1, 2):
+            if parameters:
+                parameters[-1].set_float_parameter("wind", wind)
+            while f"wind {wind}" not in player.lines:
+                assert player.process.poll() is None, player.output
+                carrier.exchange()
+            # A step of training.
+            seen = len(player.lines)
+            player.wait_for(silence, start=seen)
+        assert stats.get_and_reset_stats()["frames"][0][0] <= 3, "what was recorded before is not lost"
+    player.kill()

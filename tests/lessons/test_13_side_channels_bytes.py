@@ -2,8 +2,6 @@
 answer the same questions.
 """
 
-from __future__ import annotations
-
 import importlib
 import json
 import math
@@ -13,24 +11,31 @@ import struct
 import subprocess
 import sys
 import uuid
+from typing import Any
 
 import pytest
+import zmq
 
+from netmq_example.mlagents_envs import carrier
 from netmq_example.mlagents_envs.exception import UnitySideChannelException
-from netmq_example.mlagents_envs.side_channel import IncomingMessage, OutgoingMessage
-from netmq_example.mlagents_envs.side_channel.engine_configuration_channel import (
+from netmq_example.mlagents_envs.side_channel import (
     EngineConfig,
     EngineConfigurationChannel,
+    EnvironmentParametersChannel,
+    IncomingMessage,
+    OutgoingMessage,
+    RawBytesChannel,
+    SideChannelManager,
 )
-from netmq_example.mlagents_envs.side_channel.float_properties_channel import FloatPropertiesChannel
-from netmq_example.mlagents_envs.side_channel.raw_bytes_channel import RawBytesChannel
+from netmq_example.mlagents_envs.side_channel.float_properties_channel import MOST_PROPERTIES, FloatPropertiesChannel
 from netmq_example.mlagents_envs.side_channel.raw_side_channel import SideChannel as RawSideChannel
-from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
+from netmq_example.mlagents_envs.side_channel.side_channel import LARGEST_EXCHANGE_BYTES, MOST_QUEUED_BYTES
 from netmq_example.mlagents_envs.unity_channels import (
     EngineSettings,
     EnvironmentParameters,
     StatsRecorder,
     describe,
+    uniform,
 )
 from tests.conftest import CLIENTS
 from tests.programs import ROOT
@@ -45,7 +50,8 @@ GOLDEN = json.loads((ROOT / "tests" / "lessons" / "golden" / f"{KEY}.json").read
 LOG, STRANGER = uuid.UUID("621f0a70-4f87-11ea-a6bf-784f4387d1f7"), uuid.UUID("00112233-4455-6677-8899-aabbccddeeff")
 RUNTIMES = {".net": "dotnet", "mono": "mono"}
 each_client = pytest.mark.parametrize("kind", CLIENTS)
-each_terminal = pytest.mark.parametrize("kind", [kind for kind in CLIENTS if kind != "unity"])
+TERMINALS = [kind for kind in CLIENTS if kind != "unity"]
+each_terminal = pytest.mark.parametrize("kind", TERMINALS)
 each_runtime = pytest.mark.parametrize("runtime", RUNTIMES)
 
 
@@ -250,13 +256,10 @@ def test_both_languages_say_the_same_of_random_payloads(runtime, csharp_says):
     assert sum(b"late" in bytes.fromhex(answer.replace("-", "")) for answer in python[::2]) > count / 50
 
 
-# Classes that were written for ML-Agents; whole programs of theirs are in test_13_from_ml_agents.py
-
-
-# As somebody has them in a project of ML-Agents: its modules, its names, and what is done with them.
-MOVED = {
-    "the package's own names, and exceptions": """
+# A project of ML-Agents has these names; whole programs of theirs are in test_13_from_ml_agents.py
+MOVED = """
 import uuid
+from typing import Any
 from mlagents_envs.exception import UnityCommunicationException, UnityException, UnitySideChannelException
 from mlagents_envs.side_channel import SideChannel, OutgoingMessage, IncomingMessage
 from mlagents_envs.side_channel.engine_configuration_channel import EngineConfigurationChannel
@@ -280,39 +283,24 @@ assert EnvironmentParametersChannel.SamplerTypes.MULTIRANGEUNIFORM == 2
 assert issubclass(UnitySideChannelException, UnityException)
 stats: EnvironmentStats = StatsSideChannel().get_and_reset_stats()
 assert stats == {} and StatsAggregationMethod.MOST_RECENT.value == 1
-""",
-    "messages": """
+
+from mlagents_envs.side_channel.float_properties_channel import FloatPropertiesChannel
 from mlagents_envs.side_channel.incoming_message import IncomingMessage
 from mlagents_envs.side_channel.outgoing_message import OutgoingMessage
 
 out = OutgoingMessage()
 out.write_bool(True)
-out.write_int32(7)
-out.write_float32(0.5)
-out.write_float32_list([1.0, 2.0])
-out.write_string("end")
 msg = IncomingMessage(bytes(out.buffer), offset=0)
-assert (msg.read_bool(default_value=False), msg.read_int32(), msg.read_float32()) == (True, 7, 0.5)
-assert (msg.read_float32_list(), msg.read_string(), msg.read_string("over")) == ([1.0, 2.0], "end", "over")
-out.set_raw_bytes(bytearray(b"raw"))
-assert IncomingMessage(out.buffer).get_raw_bytes() == b"raw"
-""",
-    "properties": """
-from mlagents_envs.side_channel.float_properties_channel import FloatPropertiesChannel
-
+assert (msg.read_bool(default_value=False), msg.read_string("over")) == (True, "over")
 channel = FloatPropertiesChannel()
 channel.set_property("speed", 2.0)
 assert channel.get_property("speed") == 2.0 and channel.get_property("other") is None
 assert channel.list_properties() == ["speed"] and channel.get_property_dict_copy() == {"speed": 2.0}
-""",
-}
+"""
 
 
-@pytest.mark.parametrize("text", MOVED.values(), ids=MOVED)
-def test_a_channel_moves_over_by_one_word_of_its_imports(text):
-    exec(
-        compile(text.replace("mlagents_envs", "netmq_example.mlagents_envs"), "moved.py", "exec"), {"__name__": "moved"}
-    )
+def test_a_channel_moves_over_by_one_word_of_its_imports():
+    exec(MOVED.replace("mlagents_envs", "netmq_example.mlagents_envs"), {"__name__": "moved"})
 
 
 @pytest.mark.parametrize(
@@ -336,30 +324,23 @@ def test_the_place_of_version_0_3_has_the_same_class(place, name, monkeypatch):
 # Where the two halves of ML-Agents do not agree, and what else Python alone decides
 
 
-def test_what_is_queued_stays_as_it_was():
-    log, message = RawBytesChannel(LOG), OutgoingMessage()
-    message.write_string("one")
-    log.queue_message_to_send(message)
-    message.write_string("two")
-    exchange = SideChannelManager([log]).generate_side_channel_messages()
-    assert bytes(exchange) == frame(LOG, b"\3\0\0\0one")
+def test_what_is_queued_stays_as_it_was_and_goes_by_the_order_of_registration():
+    one, two, message = RawBytesChannel(LOG), RawBytesChannel(STRANGER), OutgoingMessage()
+    manager = SideChannelManager([two, one])
+    message.write_string("a")
+    one.queue_message_to_send(message)
+    message.write_string("b")
+    two.send_raw_data(b"c")
+    one.queue_message_to_send(message)
+    exchange = frame(STRANGER, b"c") + frame(LOG, b"\1\0\0\0a") + frame(LOG, b"\1\0\0\0a\1\0\0\0b")
+    assert bytes(manager.generate_side_channel_messages()) == exchange
+    assert manager.generate_side_channel_messages() == b"", "what was sent is not sent again"
 
 
 def test_an_id_is_registered_once_also_by_the_same_channel():
     log = RawBytesChannel(LOG)
     with pytest.raises(UnitySideChannelException, match=f"channel {LOG} is registered already"):
         SideChannelManager([log, log])
-
-
-def test_channels_take_turns_in_the_order_of_registration():
-    one, two = RawBytesChannel(uuid.UUID(int=1)), RawBytesChannel(uuid.UUID(int=2))
-    manager = SideChannelManager([two, one])
-    for number in range(3):
-        one.send_raw_data(bytes([number]))
-        two.send_raw_data(bytes([10 + number]))
-    data = manager.generate_side_channel_messages()
-    assert [data[20 + 21 * i] for i in range(6)] == [10, 11, 12, 0, 1, 2]
-    assert manager.generate_side_channel_messages() == b"", "what was sent is not sent again"
 
 
 def test_a_handlers_mistake_is_not_the_others_business(monkeypatch):
@@ -384,8 +365,7 @@ def test_what_is_kept_for_unknown_channels_has_a_limit():
     manager = SideChannelManager([], lines.append)
     for number in range(150):
         manager.process_side_channel_message(frame(STRANGER, bytes([number])))
-    assert len([line for line in lines if "kept until" in line]) == 1
-    assert len([line for line in lines if "dropped" in line]) == 1
+    assert ["kept until" in line for line in lines] == [True, False] and "dropped" in lines[1]
     manager.register_side_channel(late)
     assert late.get_and_clear_received_messages() == [bytes([number]) for number in range(100)]
 
@@ -404,3 +384,130 @@ def test_settings_are_as_many_messages_as_there_are():
         "engine: target frame rate -1",
         "engine: capture frame rate 60",
     ]
+
+
+# What a peer may make the other one do has limits
+
+
+def test_the_parts_of_an_exchange_are_the_exchange():
+    for exchange in (
+        b"",
+        frame(LOG, b"x") * 9_999,
+        frame(LOG, b"x" * 200_000) * 3,
+        frame(LOG, b"x") * 9_999 + frame(LOG, b"Hello")[:-1],
+        frame(LOG, b"x") + LOG.bytes_le + struct.pack("<i", -5) * 40_000,
+    ):
+        parts = list(carrier.parts(exchange))
+        assert b"".join(parts) == exchange
+        for part in parts[:-1]:
+            SideChannelManager().process_side_channel_message(part)
+    assert len(list(carrier.parts(frame(LOG, b"x") * 9_999))) == 4
+
+
+def test_what_a_peer_may_make_the_other_keep_has_a_limit(csharp_says):
+    long = frame(FloatPropertiesChannel().channel_id, struct.pack("<i", 1001) + b"k" * 1001 + struct.pack("<f", 1))
+    said = process(long)
+    assert b"at most 10000 properties" in bytes.fromhex(said)
+    assert csharp_says(".net", [f"process {digits(long)}"]) == [said]
+    lines, properties = [], FloatPropertiesChannel()
+    manager = SideChannelManager([properties], lines.append)
+    for number in [*range(MOST_PROPERTIES + 3), 0]:
+        key = f"{number}".encode()
+        manager.process_side_channel_message(
+            frame(FloatPropertiesChannel().channel_id, struct.pack("<i", len(key)) + key)
+        )
+    assert (len(properties.list_properties()), len(lines)) == (MOST_PROPERTIES, 3)
+
+
+def test_half_a_character_is_not_ascii_in_either_language(csharp_says):
+    with pytest.raises(UnitySideChannelException, match="not ASCII"):
+        OutgoingMessage().write_string("a\ud800b")
+    # In Unity without an exception: it would come out of the game's own Debug.LogError.
+    (said,) = csharp_says(".net", ["half -"])
+    assert said == f"error channel {LOG}: not sent, text that is not ASCII: write it with utf8: true"
+
+
+def test_what_nobody_takes_has_a_limit_and_is_counted(csharp_says):
+    lines, channel = [], RawBytesChannel(STRANGER)
+    manager = SideChannelManager([channel], lines.append)
+    for number in range(100_500):
+        channel.send_raw_data(number.to_bytes(3, "big"))
+    sent = manager.generate_side_channel_messages()
+    assert lines == [
+        f"channel {STRANGER}: nobody takes its messages, the oldest are dropped",
+        f"channel {STRANGER}: 50001 messages were dropped",
+    ]
+    assert (len(sent) // 23, sent[20:23]) == (50_499, (50_001).to_bytes(3, "big"))
+    assert csharp_says(".net", ["keep 100500"]) == [f"{'|'.join(lines)} 50499 {digits(sent[20:23])}"]
+    for _ in range(6):
+        channel.send_raw_data(bytes(LARGEST_EXCHANGE_BYTES // 2 + 1))
+        channel.send_raw_data(bytes(LARGEST_EXCHANGE_BYTES // 2 + 1))
+    assert channel.queued_bytes <= MOST_QUEUED_BYTES
+    assert len(lines) == 3, "said once"
+
+
+def engine(**settings):
+    return EngineConfigurationChannel().set_configuration_parameters(**settings)
+
+
+PARAMETERS = EnvironmentParametersChannel()
+
+
+CONTEXT = zmq.Context.instance()
+
+
+NAN = float("nan")
+
+
+# The parameter that the error has to name, a call, and what it is given. The spaces only make two names of one.
+WRONG: dict[str, list[Any]] = {
+    "channel_id": [RawBytesChannel, 0, None, "", STRANGER.bytes],
+    "buffer": [IncomingMessage, 5, -1, None, NAN, "text"],
+    "offset": [lambda value: IncomingMessage(b"", value), -1, None, NAN, "", 0.5],
+    "b": [OutgoingMessage().write_bool, None, NAN, -1, "", []],
+    "i": [OutgoingMessage().write_int32, None, NAN, 2**31, "", 0.5],
+    "f": [OutgoingMessage().write_float32, None, 1e300, "", [1.0]],
+    "float_list": [OutgoingMessage().write_float32_list, None, 0, [None], "x", [1e300]],
+    "s": [OutgoingMessage().write_string, None, 0, NAN, b"x"],
+    "buffer ": [OutgoingMessage().set_raw_bytes, 5, None, "text"],
+    "msg": [RawBytesChannel(STRANGER).queue_message_to_send, None, 0, "", b"x"],
+    "data": [RawBytesChannel(STRANGER).queue_bytes, None, 5, "text"],
+    "data ": [SideChannelManager().process_side_channel_message, None, 5, "text"],
+    "count": [RawBytesChannel(STRANGER).take, -1, None, NAN, ""],
+    "side_channels": [SideChannelManager, 0, "", PARAMETERS],
+    "channel": [SideChannelManager().register_side_channel, 0, None, ""],
+    "report": [lambda value: SideChannelManager([], value), 0, None, ""],
+    "key": [FloatPropertiesChannel().get_property, 0, None, NAN],
+    "key ": [lambda value: FloatPropertiesChannel().set_property(value, 1), 0, None, NAN, ""],
+    "value": [lambda value: FloatPropertiesChannel().set_property("a", value), None, "", "1"],
+    "width": [lambda value: engine(width=value, height=80), NAN, "", 0.5],
+    "time_scale": [lambda value: engine(time_scale=value), "", [1], NAN, 1e6],
+    "config": [EngineConfigurationChannel().set_configuration, None, 0, (80, 80, 1, 20.0, -1, 60)],
+    "key  ": [lambda value: PARAMETERS.set_float_parameter(value, 1), 0, None, NAN, ""],
+    "max_value": [lambda value: PARAMETERS.set_uniform_sampler_parameters("a", 1, value, 1), None, ""],
+    "st_dev": [lambda value: PARAMETERS.set_gaussian_sampler_parameters("a", 1, value, 1), None, ""],
+    "seed": [lambda value: PARAMETERS.set_gaussian_sampler_parameters("a", 1, 1, value), None, "", NAN, 2**31],
+    "intervals": [
+        lambda value: PARAMETERS.set_multirangeuniform_sampler_parameters("a", value, 1),
+        *(None, 0, [1.0], [(1.0,)], [(0.0, None)]),
+    ],
+    "seed ": [lambda value: uniform(0, 1, value), None, "", NAN, 0.5],
+    "apply": [EngineSettings, None, 0, ""],
+    "action": [lambda value: EnvironmentParameters().register_callback("a", value), None, 0],
+    "value ": [lambda value: StatsRecorder().add("a", value), None, ""],
+    "StatsAggregationMethod": [lambda value: StatsRecorder().add("a", 1, value), None, "", -1, 4],
+    "socket": [lambda value: carrier.Carrier(value, SideChannelManager, print), None, 0, ""],
+    "manager": [carrier.Peer, None, 0, ""],
+    "endpoint": [lambda value: carrier.ClientCarrier(CONTEXT, value), None, 0, "", "tcp://x:99999"],
+    "timeout": [lambda value: carrier.ClientCarrier(CONTEXT, "tcp://x:1", value), None, 0, -1, NAN, ""],
+    "context": [lambda value: carrier.ClientCarrier(value, "tcp://x:1"), None, 0, ""],
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_what_a_method_cannot_use_is_named(name):
+    call, *values = WRONG[name]
+    for value in values:
+        with pytest.raises((ValueError, TypeError), match=rf"\b{name.strip()}\b") as caught:
+            call(value)
+        assert "\n" not in str(caught.value)

@@ -1,14 +1,10 @@
 """Lesson 13 on lesson 09's steps: what was set before a step is there in it, what it records comes with its state."""
 
-from __future__ import annotations
-
 import re
 
 import pytest
 
-from netmq_example.mlagents_envs.side_channel.environment_parameters_channel import EnvironmentParametersChannel
-from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
-from netmq_example.mlagents_envs.side_channel.stats_side_channel import StatsSideChannel
+from netmq_example.mlagents_envs.side_channel import EnvironmentParametersChannel, SideChannelManager, StatsSideChannel
 from tests.conftest import PYTHON
 from tests.lessons.test_13_side_channels_bytes import RUNTIMES
 from tests.programs import ROOT, finished

@@ -7,7 +7,6 @@ import os
 import pickle
 import pkgutil
 import re
-import subprocess
 import sys
 import threading
 from collections import defaultdict
@@ -15,7 +14,7 @@ from unittest import mock
 
 import pytest
 
-from tests.programs import LIMIT, ROOT
+from tests.programs import LIMIT, ROOT, finished
 
 np = pytest.importorskip("numpy", reason="ML-Agents' API needs numpy: kit.py run 13 installs it")
 pytest.importorskip("gymnasium", reason="the wrappers need the spaces of gymnasium: kit.py run 13 installs it")
@@ -41,8 +40,10 @@ from netmq_example.mlagents_envs.exception import (  # noqa: E402
     UnityException,
 )
 from netmq_example.mlagents_envs.registry import LocalRegistryEntry, UnityEnvRegistry, default_registry  # noqa: E402
-from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager  # noqa: E402
-from netmq_example.mlagents_envs.side_channel.stats_side_channel import StatsSideChannel  # noqa: E402
+from netmq_example.mlagents_envs.side_channel import (  # noqa: E402
+    SideChannelManager,
+    StatsSideChannel,
+)
 
 PICTURE = (3, 8, 8)
 GOAL = 3
@@ -116,40 +117,30 @@ class Walk(BaseEnv):
         self.closed += 1
 
 
-def is_a_step(result):
-    _, reward, done, info = result
-    return isinstance(reward, float) and isinstance(done, bool) and isinstance(info, dict)
-
-
-def test_gym_one_vector():
-    env = UnityToGymWrapper(Walk(action=(2, ())))
-    seen = env.reset()
-    assert isinstance(seen, np.ndarray) and seen.tolist() == [0, 0]
-    assert env.action_space.shape == (2,) and env.action_space.sample().shape == (2,)
-    result = env.step([1, 0.5])
-    assert is_a_step(result) and result[0].tolist() == [0.5, 0.5] and result[1:3] == (1.5, False)
-    assert env.observation_space.contains(result[0])
-    assert isinstance(result[3]["step"], DecisionSteps)
-    assert (env.name, env.group_spec.action_spec.continuous_size) == ("Walk?team=0", 2)
-
-
-def test_gym_an_episode_ends_and_close_closes():
-    walk = Walk()
+def test_gym_one_vector_whose_episode_ends():
+    walk = Walk(action=(2, ()))
     # Its constructor has reset it: the first step needs no reset.
     env = UnityToGymWrapper(walk)
-    assert env.step([2])[2] is False
-    seen, reward, done, info = env.step([2])
+    seen, reward, done, info = env.step([1, 0.5])
+    assert (seen.tolist(), reward, done) == ([0.5, 0.5], 1.5, False)
+    assert isinstance(reward, float) and isinstance(info["step"], DecisionSteps)
+    assert env.observation_space.contains(seen) and env.action_space.sample().shape == (2,)
+    assert (env.name, env.group_spec.action_spec.continuous_size) == ("Walk?team=0", 2)
+    seen, reward, done, info = env.step([2, 0.5])
     assert (seen.tolist(), reward, done) == ([pytest.approx(4 / 3)] * 2, 4.0, True)
     assert isinstance(info["step"], TerminalSteps)
     with pytest.raises(UnityGymException, match="call reset"):
-        env.step([1])
-    assert env.reset().tolist() == [0, 0] and env.step([1])[2] is False
+        env.step([1, 0])
+    seen = env.reset()
+    assert isinstance(seen, np.ndarray) and seen.tolist() == [0, 0] and env.step([1, 0])[2] is False
     env.close()
     assert walk.closed == 1
 
 
 @pytest.mark.parametrize("flatten", [True, False])
 def test_gym_branches(flatten):
+    one = UnityToGymWrapper(Walk(action=(0, (5,))), flatten_branched=flatten)
+    assert one.action_space.n == 5 and one.step(2)[1] == 2, "one is never flattened"
     env = UnityToGymWrapper(Walk(action=(0, (2, 2, 3))), flatten_branched=flatten)
     if not flatten:
         assert env.action_space.nvec.tolist() == [2, 2, 3] and env._flattener is None
@@ -159,13 +150,6 @@ def test_gym_branches(flatten):
     assert [env._flattener.lookup_action(number) for number in (0, 5, 11)] == [[0, 0, 0], [0, 1, 2], [1, 1, 2]]
     result = env.step(np.int64(4))
     assert result[1] == 2 and not result[3]["step"].action_mask[0].any()
-
-
-@pytest.mark.parametrize("flatten", [True, False])
-def test_gym_one_branch_is_never_flattened(flatten):
-    env = UnityToGymWrapper(Walk(action=(0, (5,))), flatten_branched=flatten)
-    assert env.action_space.n == 5 and type(env.action_space).__name__ == "Discrete"
-    assert env.step(2)[1] == 2
 
 
 def test_gym_the_action_space_has_a_seed():
@@ -242,7 +226,7 @@ OTHERS = ("environment", "base_env", "exception", "side_channel", "env_utils", "
 def test_the_modules_need_no_library_to_be_imported():
     assert len(WRAPPERS) == 5
     words = [sys.executable, "-c", ALONE, *WRAPPERS, *(f"netmq_example.mlagents_envs.{each}" for each in OTHERS)]
-    done = subprocess.run(words, cwd=ROOT / "python", capture_output=True, text=True, timeout=LIMIT, check=False)
+    done = finished(words, cwd=ROOT / "python")
     assert done.returncode == 0, done.stderr
 
 
@@ -340,28 +324,26 @@ def test_pettingzoo_that_is_missing_is_a_line(monkeypatch):
         module.UnityAECEnv(Walk())
 
 
-def test_the_names_of_agents():
-    assert env_helpers._behavior_to_agent_id("Ball?team=1", 3) == "Ball?team=1?agent_id=3"
-    assert env_helpers._agent_id_to_behavior("Ball?team=1?agent_id=3") == "Ball?team=1"
-
-
-def test_no_path_is_no_build():
-    assert env_utils.validate_environment_path(" ") is None
-
-
-BUILDS = {"linux": "Game.x86_64", "darwin": "Game.app/Contents/MacOS/Game", "win32": "Game.exe"}
+BUILDS = {"linux": "Game.x86_64", "darwin": "Game.app/Contents/MacOS/My Game", "win32": "Game.exe"}
 
 
 @pytest.mark.parametrize("platform", BUILDS)
-@pytest.mark.parametrize("ending", ["", ".exe", ".app", ".x86_64", ".x86"])
-def test_a_build_is_found_by_each_systems_name_of_it(platform, ending, tmp_path, monkeypatch):
-    for build in BUILDS.values():
-        (tmp_path / build).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / build).write_bytes(b"")
-        (tmp_path / build).chmod(0o755)
+def test_a_build_is_found_by_each_systems_name_of_it(platform, tmp_path, monkeypatch):
     monkeypatch.setattr(sys, "platform", platform)
-    assert env_utils.validate_environment_path(f"{tmp_path}/Game{ending}") == str(tmp_path / BUILDS[platform])
-    assert env_utils.get_platform() == platform
+    folder = tmp_path / "Build [1]"
+    with pytest.raises(FileNotFoundError, match=r"no game at .*Game: there is neither this file nor .*Game\."):
+        launch.game(folder / "Game")
+    assert env_utils.validate_environment_path(" ") is None
+    (folder / "Game_Data").mkdir(parents=True)
+    for build in BUILDS.values():
+        (folder / build).parent.mkdir(parents=True, exist_ok=True)
+        (folder / build).write_text("#!/bin/sh\n", encoding="ascii")
+        assert env_utils.is_player(str(folder / build)) and not env_utils.is_player(str(folder / "game.sh"))
+    program = folder / BUILDS[platform]
+    assert launch.game(folder / "Game") == str(program)
+    assert os.access(program, os.X_OK), "it was made executable"
+    for ending in ("", ".exe", ".app", ".x86_64", ".x86"):
+        assert env_utils.validate_environment_path(f"{folder}/Game{ending}") == str(program)
 
 
 def test_a_windows_build_is_found_by_its_folder(tmp_path):
@@ -396,13 +378,6 @@ def test_only_a_program_is_made_executable(tmp_path):
     assert [os.access(file, os.X_OK) for file in (text, script)] == [False, True]
 
 
-@pytest.mark.parametrize("build", BUILDS.values())
-def test_a_build_is_told_from_another_program(build, tmp_path):
-    (tmp_path / "Game_Data").mkdir()
-    assert env_utils.is_player(str(tmp_path / build))
-    assert not env_utils.is_player(str(tmp_path / "game.sh"))
-
-
 LOGS = """
 from netmq_example.mlagents_envs.logging_util import DEBUG, INFO, get_logger, set_log_level
 one = get_logger("one")
@@ -415,10 +390,7 @@ get_logger("another").debug("hello")
 
 
 def test_all_loggers_have_one_level_and_write_to_standard_output():
-    done = subprocess.run(
-        [sys.executable, "-c", LOGS], cwd=ROOT / "python", capture_output=True, text=True, timeout=LIMIT, check=True
-    )
-    first, second = done.stdout.splitlines()
+    first, second = finished([sys.executable, "-c", LOGS], cwd=ROOT / "python", check=True).stdout.splitlines()
     assert first == "[INFO] hello" and re.fullmatch(r"[\d-]+ [\d:]+ DEBUG \[<string>:8\] hello", second)
 
 

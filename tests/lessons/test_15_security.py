@@ -1,8 +1,6 @@
 """Lesson 15: who comes in and who does not, keys that come and go while the server runs, files that are damaged, what
 the wire shows, and a gate under strain."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import re
@@ -54,20 +52,16 @@ def alice(folder):
 
 
 @pytest.fixture
-def connect(context, folder):
+def connect(connect, folder):
     """connect(endpoint): a socket with alice's keys, or with those that it is given."""
-    with contextlib.ExitStack() as stack:
 
-        def connect(endpoint, pair=None, kind=zmq.REQ, name=b""):
-            asker = stack.enter_context(context.socket(kind))
-            asker.curve_publickey, asker.curve_secretkey = pair or keys.load(folder / "client.key_secret")
-            asker.curve_serverkey = keys.load(folder / "server.key")[0]
-            if name:
-                asker.identity = name
-            asker.connect(endpoint)
-            return asker
+    def with_keys(endpoint, pair=None, kind=zmq.REQ, **options):
+        public, secret = pair or keys.load(folder / "client.key_secret")
+        server = keys.load(folder / "server.key")[0]
+        mine = {"curve_publickey": public, "curve_secretkey": secret, "curve_serverkey": server}
+        return connect(endpoint, kind, **mine, **options)
 
-        yield connect
+    return with_keys
 
 
 def ask(asker):
@@ -294,14 +288,14 @@ def test_a_disk_that_is_full_costs_no_pair_and_leaves_nothing_in_the_way(folder)
 @pytest.mark.skipif(sys.platform != "linux" or os.getuid(), reason="only root can be another user: run it as root")
 def test_a_secret_key_of_another_user_is_no_missing_one():
     """As after a first start with sudo."""
-    script = (
+    load = (
         "import os, sys; from netmq_example.security import keys; os.setuid(65534); keys.load(keys.Path(sys.argv[1]))"
     )
     with tempfile.TemporaryDirectory() as folder:
         keys.make(Path(folder), "server")
         os.chmod(folder, 0o755)
         path = Path(folder, "server.key_secret")
-        done = finished([PYTHON, "-c", script, path], cwd=ROOT / "python")
+        done = finished([PYTHON, "-c", load, path], cwd=ROOT / "python")
         cure = "start as the user who made it, or give it to this one"
         assert done.stderr.splitlines()[-1] == f"ValueError: this user may not read {path}; {cure}"
 
@@ -339,15 +333,12 @@ def test_keys_py_says_in_one_line_what_is_wrong(folder):
 
 def test_the_server_on_the_page_knows_its_clients(folder, tmp_path, start, connect):
     page = (ROOT / "docs" / "guide" / f"{KEY}.md").read_text(encoding="utf-8")
-    code = next(
-        block for block in re.findall(r"^```python\n(.*?)^```", page, re.DOTALL | re.MULTILINE) if "import" in block
-    )
+    blocks = re.findall(r"^```python\n(.*?)^```", page, re.DOTALL | re.MULTILINE)
+    code = next(block for block in blocks if "import" in block)
     endpoint = steady_endpoint()
     assert code.count("tcp://127.0.0.1:5565") == 1
-    program = start(
-        PYTHON, "-c", code.replace("tcp://127.0.0.1:5565", endpoint), folder=tmp_path, PYTHONPATH=str(ROOT / "python")
-    )
-    program.wait_for("^listening$")
+    code = code.replace("tcp://127.0.0.1:5565", endpoint)
+    start(PYTHON, "-c", code, folder=tmp_path, PYTHONPATH=str(ROOT / "python")).wait_for("^listening$")
     live = connect(endpoint)
     assert ask(live) == "Hello alice"
     keys.revoke(folder, "alice")
@@ -475,14 +466,14 @@ def test_an_answer_goes_to_the_key_that_has_asked(gate, folder, connect):
     _, endpoint, behind = gate
     other = zmq.curve_keypair()
     keys.write(folder / "allowed" / "bob.key", other[0])
-    alice = connect(endpoint, None, zmq.DEALER, b"same")
+    alice = connect(endpoint, None, zmq.DEALER, identity=b"same")
     alice.send(b"alice asks")
     job, _ = behind.recv_multipart()
     alice.close()
     # An address is free when the gate has seen that its owner is gone. Until then nobody hears who comes with it; and
     # an earlier bob who asks with his last breath may be its next owner.
     for _ in range(200):
-        bob = connect(endpoint, other, zmq.DEALER, b"same")
+        bob = connect(endpoint, other, zmq.DEALER, identity=b"same")
         bob.send(b"bob comes")
         while behind.poll(100):
             behind.send_multipart([behind.recv_multipart()[0], b"welcome"])

@@ -1,7 +1,5 @@
 """Lesson 16's tap: the lessons run through it unchanged, trouble is what was asked for, and others are kept out."""
 
-from __future__ import annotations
-
 import contextlib
 import functools
 import itertools
@@ -68,13 +66,13 @@ def test_a_lesson_runs_through_it_unchanged(serve, tap, tmp_path, start_client):
     assert program.lines[-1] == f"listening on {endpoint}"
 
 
-def test_trouble_is_what_lesson_02_is_made_for(serve, tap, client_command, start, tmp_path):
+def test_trouble_is_what_lesson_02_is_made_for(serve, tap, start_client, tmp_path):
     """Message 3 is the second request, and 6 the third: 1 is added all the same, and once."""
     _, endpoint = serve("02_lazy_pirate")
     tapping, endpoint, page = tap(endpoint, "--drop", "3", "--cut", "6", "--record", "seen.html")
     # The first request, which a busy machine may take long for, must need one try only.
-    words = client_command("csharp", "02_lazy_pirate", endpoint, "--count", "4", "--timeout", "4")
-    asking = start(*words, folder=tmp_path)
+    words = ["--count", "4", "--timeout", "4"]
+    asking = start_client("csharp", "02_lazy_pirate", endpoint, *words, folder=tmp_path)
     assert asking.wait() == 0, asking.output
     assert "4: sent add 1, received 4" in asking.lines
     assert [line for line in asking.lines if "no reply" in line] == [

@@ -2,8 +2,6 @@
 reads the manifest as Kubernetes' own types.
 """
 
-from __future__ import annotations
-
 import os
 import subprocess
 import time

@@ -1,7 +1,5 @@
 """Lesson 17: a hub, simulators that come and go, and trainers that never notice."""
 
-from __future__ import annotations
-
 import re
 import runpy
 import time
@@ -185,11 +183,11 @@ def test_a_hub_that_was_killed_gets_all_back_and_no_return_changes(serve, simula
     hub, endpoint = serve(KEY, *STAY, endpoint=place)
     # So slow that it is not done before.
     simulators(endpoint, "python", "csharp", words=["--delay", "0.02"])
-    trainer = train(endpoint, 2, 16)
+    trainer = train(endpoint, 2, 10)
     hub.wait_for(r"^2 simulators, \d free, 1 trainers, 1 at work, [1-9]\d* episodes")
     hub.kill()
     serve(KEY, *STAY, endpoint=place)
-    assert played(trainer) == returns(16)
+    assert played(trainer) == returns(10)
     assert f"asking the hub at {place} anew" in trainer.lines
     assert trainer.lines.count("the hub has given this trainer 2 simulators") == 2
 
@@ -219,16 +217,14 @@ def test_an_episode_that_is_lost_while_another_begins_is_begun_anew():
 # Keys, and how a hub is found
 
 
-def test_with_keys_it_is_found_by_its_own_and_lets_in_whoever_is_on_its_list(
-    context, serve, start, client_command, tmp_path, train
-):
+def test_with_keys_it_is_found_by_its_own_and_lets_in_its_list(context, serve, start_client, tmp_path, train):
     port, folder = steady_port(), tmp_path / "keys"
     endpoint = f"tcp://127.0.0.1:{port}"
     keys.example(folder)
     serve(KEY, *STAY, "--keys", str(folder), "--beacon", "hub", endpoint=f"tcp://0.0.0.0:{port}")
     for kind in ("python", "csharp"):
-        words = client_command(kind, KEY, f"beacon://hub:{port}", "--keys", str(folder), "--timeout", "60")
-        start(*words).wait_for("^simulating CartPole for ")
+        client = start_client(kind, KEY, f"beacon://hub:{port}", "--keys", str(folder), "--timeout", "60")
+        client.wait_for("^simulating CartPole for ")
     with context.socket(zmq.DEALER) as stranger:
         stranger.connect(endpoint)
         stranger.send_multipart(messages.Message("join", 0, {"name": "CartPole", "areas": 1}).frames())

@@ -1,7 +1,5 @@
 """Lesson 17 on three machines, which are network namespaces here: a hub, its simulators and a trainer, with cables."""
 
-from __future__ import annotations
-
 import re
 
 import pytest
@@ -57,7 +55,7 @@ def test_an_episode_goes_on_after_the_cable_of_its_simulators_was_pulled(machine
     """
     server = hub()
     fleet = simulators("python", "csharp")
-    trainer = train(2, 12)
+    trainer = train(2, 6)
     server.wait_for(r"^2 simulators, \d free, 1 trainers, 1 at work")
     told = len(server.lines)
     machines.cable("simulators", "down")
@@ -65,7 +63,7 @@ def test_an_episode_goes_on_after_the_cable_of_its_simulators_was_pulled(machine
         simulator.wait_for("^trouble: the environment is gone, or silent$")
     server.wait_for("^0 simulators", start=told)
     machines.cable("simulators", "up")
-    assert played(trainer) == returns(12)
+    assert played(trainer) == returns(6)
     begun_anew = re.findall(r" (\d+) begun anew", server.output)[-1]
     assert int(begun_anew) >= 2
 
@@ -73,7 +71,8 @@ def test_an_episode_goes_on_after_the_cable_of_its_simulators_was_pulled(machine
 def test_a_trainer_whose_cable_was_pulled_leaves_its_simulators_to_others(machines, hub, simulators, train):
     server = hub()
     simulators("python", "python")
-    first = train(2, 100_000, "--timeout", "10")
+    server.wait_for("^2 simulators, 2 free")
+    first = train(2, 100_000, "--timeout", "5")
     server.wait_for(r"^2 simulators, \d free, 1 trainers, 1 at work")
     told = len(server.lines)
     machines.cable("trainer", "down")

@@ -1,7 +1,5 @@
 """Lesson 17, with Ray: the numbers are those of a training without Ray and without ZeroMQ, whoever dies."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import signal

@@ -22,11 +22,11 @@ from netmq_example.envs.common import OtherSide  # noqa: E402
 from netmq_example.envs.side_channels import carry  # noqa: E402
 from netmq_example.fleet.simulator import FleetSimulator  # noqa: E402
 from netmq_example.messages import Message, MessageError  # noqa: E402
-from netmq_example.mlagents_envs.side_channel.environment_parameters_channel import (  # noqa: E402
+from netmq_example.mlagents_envs.side_channel import (  # noqa: E402
     EnvironmentParametersChannel,
+    SideChannelManager,
+    StatsSideChannel,
 )
-from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager  # noqa: E402
-from netmq_example.mlagents_envs.side_channel.stats_side_channel import StatsSideChannel  # noqa: E402
 from netmq_example.mlagents_envs.unity_channels import EnvironmentParameters, StatsRecorder  # noqa: E402
 from netmq_example.scene import Agent, Obs, Scene, SceneSimulator, SideChannelSimulator  # noqa: E402
 from netmq_example.wire import records  # noqa: E402

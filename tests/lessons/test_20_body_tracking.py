@@ -3,8 +3,6 @@
 tests/unity/test_20_body.py has what only Unity has: the skeleton, the avatar and the smoothing.
 """
 
-from __future__ import annotations
-
 import importlib
 import itertools
 import re
@@ -23,7 +21,6 @@ from tests.programs import ROOT
 KEY = "20_body_tracking"
 LESSON = ROOT / "python" / KEY
 GERMAN = {"LANG": "de_DE.UTF-8", "LC_ALL": "de_DE.UTF-8"}
-TERMINAL = pytest.mark.parametrize("kind", ["python", "csharp"])
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 # walker.py is beside the server.
 sys.path.append(str(LESSON))
@@ -126,20 +123,24 @@ def test_a_recording_that_excel_has_saved_is_read(tmp_path):
 # A server that goes, and one that the test decides for
 
 
-@TERMINAL
-def test_the_newest_wins(kind, fake, start_client):
-    """While the client works on 1 the others arrive; it takes the last of them, and counts the rest."""
+def test_the_newest_wins(fake, start_client):
+    """While the clients work on 1 the others arrive; each takes the last of them, and counts the rest."""
     stream, endpoint = fake, where(fake)
-    client = start_client(kind, KEY, endpoint, "--count", "2", "--every", "1", "--work", "3", "--timeout", "60")
-    assert stream.recv() == b"\x01pose/0/"
+    # The second one's subscription is shown as well.
+    stream.xpub_verbose = True
+    words = ["--count", "2", "--every", "1", "--work", "3", "--timeout", "60"]
+    clients = [start_client(kind, KEY, endpoint, *words) for kind in ("python", "csharp")]
+    assert [stream.recv() for _ in clients] == [b"\x01pose/0/"] * 2
     body = WALK[0][1][0]
     stream.send_string(message(1, body))
-    client.wait_for("^person 0: pose 1, right knee")
+    for client in clients:
+        client.wait_for("^person 0: pose 1, right knee")
     for number in range(2, 101):
         stream.send_string(message(number, body))
-    assert client.wait() == 0, client.output
-    assert client.lines[2].startswith("person 0: pose 100, right knee")
-    assert client.lines[3:] == ["done: 2 poses, 98 skipped"]
+    for client in clients:
+        assert client.wait() == 0, client.output
+        assert client.lines[2].startswith("person 0: pose 100, right knee")
+        assert client.lines[3:] == ["done: 2 poses, 98 skipped"]
 
 
 @each_client
@@ -172,17 +173,16 @@ def test_poses_that_are_late_come_twice_or_are_none(kind, fake, start_client):
     assert client.lines[8:] == ["done: 6 poses, 2 skipped"]
 
 
-@TERMINAL
-def test_a_stream_without_a_pose_is_given_up(kind, fake, start_client):
+def test_a_stream_without_a_pose_is_given_up(fake, start_client):
     """However much of something else comes."""
     stream, endpoint = fake, where(fake)
-    client = start_client(kind, KEY, endpoint, "--timeout", "3")
-    assert stream.recv() == b"\x01pose/0/"
-    while client.process.poll() is None:
+    clients = [start_client(kind, KEY, endpoint, "--timeout", "3") for kind in ("python", "csharp")]
+    while any(client.process.poll() is None for client in clients):
         stream.send_string("pose/0/ something else")
         time.sleep(0.01)
-    assert client.wait() == 1
-    assert client.lines[-1] == f"gave up: no pose from {endpoint} within 3 s; is that this server?"
+    for client in clients:
+        assert client.wait() == 1
+        assert client.lines[-1] == f"gave up: no pose from {endpoint} within 3 s; is that this server?"
 
 
 # The webcam, with a stand-in for MediaPipe and OpenCV: what camera.py uses of them, as their documentation has it

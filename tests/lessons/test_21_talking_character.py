@@ -3,8 +3,6 @@
 What lesson 14's tests say of jobs is not said again.
 """
 
-from __future__ import annotations
-
 import json
 import re
 import sys
