@@ -214,7 +214,7 @@ def test_two_pictures_are_on_the_way_and_the_game_goes_on(kind, filmer, start_cl
 
 
 @each_terminal
-def test_with_a_rate_of_0_pictures_come_on_demand(kind, filmer, start_client):
+def test_pictures_on_demand_and_what_is_refused_with_its_cure(kind, filmer, start_client):
     start_client(kind, KEY, filmer.endpoint, "--count", "0")
     filmer.greet()
     begun = filmer.begin("front", fps=0.0)
@@ -225,12 +225,6 @@ def test_with_a_rate_of_0_pictures_come_on_demand(kind, filmer, start_client):
         filmer.say("took", begun.id, view="front", number=number)
     filmer.say("end", view="front")
     assert filmer.next("ended").values["frames"] == 3
-
-
-@each_terminal
-def test_what_cannot_be_filmed_is_refused_with_its_cure(kind, filmer, start_client):
-    start_client(kind, KEY, filmer.endpoint, "--count", "0")
-    filmer.greet()
     assert filmer.refused(view="side") == "unknown-view: there is no view 'side'; there are: front, map"
     for wrong in ({"width": 321}, {"height": -1}, {"width": 2**40}):
         assert filmer.refused(view="map", **wrong) == "bad-size: map is at most 320 x 240"
