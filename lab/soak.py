@@ -24,7 +24,7 @@ PAIRS = {
     "01": (["--delay", "0.01"], "csharp", COUNT),
     "03": ([], "csharp", COUNT),
     "04": ([], "unity", COUNT),
-    "07": ([], "csharp", [*COUNT, "--seconds", "100000"]),
+    "07": ([], "csharp", [*COUNT, "--seconds", "80000"]),
     "08": ([], "unity", COUNT),
 }
 KILLED, EVERY = "04", 300.0
