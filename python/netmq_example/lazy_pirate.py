@@ -7,33 +7,23 @@ Bytes: UTF-8 text, two frames each way, [id][text], at most 65,536 bytes each. E
 id, by which the server knows what it has done already (journal.py). In C# it is LazyPirateRequester.cs.
 """
 
-import logging
 import math
-import threading
 import time
 import uuid
 from collections.abc import Callable
-
-import zmq
+from typing import Any
 
 from netmq_example import arguments, check
-from netmq_example.beacon import BeaconSearch
 from netmq_example.console import printable
 from netmq_example.errors import Closed, Refused, Timeout
 from netmq_example.former import positional
-from netmq_example.one_process import Keys, OneProcess, one_at_a_time
-from netmq_example.program import Context, Socket, encoded, limit, text_of
+from netmq_example.one_process import Keys, one_at_a_time
+from netmq_example.program import Context, encoded, text_of
+from netmq_example.requester import Requester, log
 from netmq_example.trouble import LOOK_UP_SECONDS, longer, tried
 
-# The longest wait in one piece, in milliseconds: between two of them stop() is noticed and, on Windows, Ctrl-C.
-SLICE_MS = 50
-# Before a request is sent again after a wrong reply: without it, 5 tries are over in a millisecond.
-PAUSE_SECONDS = 0.25
 
-log = logging.getLogger("netmq_example.client")
-
-
-class LazyPirate(OneProcess):
+class LazyPirate(Requester):
     """Asks over one REQ socket at a time, on any thread, but on one at a time; stop() at any time."""
 
     @positional("context", "endpoint", "timeout", "tries", "report")
@@ -50,18 +40,10 @@ class LazyPirate(OneProcess):
 
         Each retry is logged as a warning. Without a context it takes pyzmq's own, zmq.Context.instance().
         """
-        self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5552", beacon=True)
-        self.search = BeaconSearch(endpoint)
-        self.timeout = check.seconds("timeout", timeout)
-        self.tries = check.count("tries", tries)
-        self.keys = arguments.keys(keys)
-        self.context = arguments.context(context)
-        self.report = log.warning
+        super().__init__(endpoint, "tcp://127.0.0.1:5552", timeout, tries, keys, context)
         # An id must never come twice, whoever else asks and however often this program starts: hence the uuid.
         self.name = uuid.uuid4().hex
         self.number = 0
-        self.socket: Socket | None = None
-        self.stopped = threading.Event()
 
     def request(self, text: str, *, within: float | None = None) -> str:
         """The reply, as it came: one that begins with `error:` is a reply, too.
@@ -83,8 +65,8 @@ class LazyPirate(OneProcess):
         attempt = 1
         while not self.stopped.is_set():
             timeout = max(0.0, min(longer(self.timeout, attempt - 1), until() - time.monotonic()))
-            frames = self.exchange(request, timeout, until)
-            if is_reply(frames, request):
+            frames = self.exchange(request, time.monotonic() + timeout, until)
+            if self.is_reply(frames, request):
                 log.debug("%s: %s", self.endpoint, frames)
                 return text_of(frames[1])
             if self.stopped.is_set():
@@ -108,61 +90,10 @@ class LazyPirate(OneProcess):
             self.report(f"{self.number}: {trouble}; try {attempt} of {self.tries}")
         raise Closed("the client was closed")
 
-    def exchange(self, request: list[bytes], timeout: float, until: Callable[[], float]) -> list[bytes]:
-        """One try: the frames that came back, if any."""
-        end = time.monotonic() + timeout
-        frames: list[bytes] = []
-        try:
-            socket = self.connected(end)
-            # Without waiting: after a peer that broke the protocol there may be no connection to send on.
-            socket.send_multipart(request, zmq.NOBLOCK)
-            left = timeout
-            while left > 0 and not self.stopped.is_set() and not socket.poll(min(SLICE_MS, int(left * 1000) + 1)):
-                left = min(end, until()) - time.monotonic()
-            frames = socket.recv_multipart(zmq.NOBLOCK)
-        except zmq.Again:
-            pass
-        finally:
-            # A REQ socket that waits for a reply refuses to send. A new one may, on a new connection.
-            if not is_reply(frames, request):
-                self.close_socket()
-        if not is_reply(frames, request) and time.monotonic() < min(end, until()):
-            self.stopped.wait(PAUSE_SECONDS)
-        return frames
-
-    def connected(self, end: float) -> Socket:
-        """zmq.Again if it is not known by then where the server is."""
-        if not self.socket:
-            while not (where := self.search.find(SLICE_MS / 1000)):
-                if self.stopped.is_set() or time.monotonic() > end:
-                    raise zmq.Again
-            self.socket = self.context.socket(zmq.REQ)
-            limit(self.socket)
-            if self.keys:
-                self.keys.apply(self.socket)
-            self.socket.connect(where)
-        return self.socket
-
-    def close_socket(self) -> None:
-        if self.socket:
-            self.socket.close()
-        self.socket = None
-
-    def stop(self) -> None:
-        """On any thread: end the request under way, and every later one, by Closed."""
-        self.stopped.set()
-
-    def close(self) -> None:
-        """Close the socket, on the thread that asks. Twice is once."""
-        self.stop()
-        self.close_socket()
-        self.search.close()
+    def is_reply(self, frames: list[Any], request: list[bytes]) -> bool:
+        return len(frames) == 2 and bool(frames[0] == request[0])
 
 
 def refused(reply: str) -> Refused | None:
     """The error in a text of the lessons' servers that begins with `error:`, or None for another text."""
     return Refused("error", reply[6:].strip()) if reply.startswith("error:") else None
-
-
-def is_reply(frames: list[bytes], request: list[bytes]) -> bool:
-    return len(frames) == 2 and frames[0] == request[0]

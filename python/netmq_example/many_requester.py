@@ -9,7 +9,6 @@ has, NUMBER-NAME, and a retry carries the same. The server is a ROUTER: a REP ta
 frame. In C# it is ManyRequester.cs.
 """
 
-import logging
 import time
 import uuid
 from collections import deque
@@ -23,16 +22,15 @@ from netmq_example import arguments, check
 from netmq_example.errors import Error, MessageError, Timeout
 from netmq_example.former import positional
 from netmq_example.lazy_pirate import refused
-from netmq_example.one_process import Keys, OneProcess, one_at_a_time
-from netmq_example.program import LARGEST_BYTES, Context, limit, text_of
+from netmq_example.one_process import Keys, one_at_a_time
+from netmq_example.program import LARGEST_BYTES, Context, text_of
+from netmq_example.requester import Requester
 from netmq_example.trouble import cure, longer, tried
 
 # The deadlines are checked this often. Shorter would cost more. Longer, and Ctrl-C would have to wait on Windows.
 SLICE_SECONDS = 0.05
 # So many waiting messages are read at a time.
 MOST_MESSAGES = 1000
-
-log = logging.getLogger("netmq_example.client")
 
 
 class Outcome(NamedTuple):
@@ -58,7 +56,7 @@ class Pending:
     sent: float = 0
 
 
-class ManyRequester(OneProcess):
+class ManyRequester(Requester):
     """Keeps up to `window` requests under way over one DEALER socket at a time. Use it on one thread."""
 
     @positional("context", "endpoint", "window", "timeout", "tries", "report")
@@ -76,13 +74,8 @@ class ManyRequester(OneProcess):
 
         Each retry is logged as a warning. Without a context it takes pyzmq's own, zmq.Context.instance().
         """
-        self.context: Context = arguments.context(context)
-        self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5556")
+        super().__init__(endpoint, "tcp://127.0.0.1:5556", timeout, tries, keys, context, beacon=False)
         self.window = check.count("window", window)
-        self.timeout = check.seconds("timeout", timeout)
-        self.tries = check.count("tries", tries)
-        self.keys = arguments.keys(keys)
-        self.report = log.warning
         # What is under way, by its id.
         self.pending: dict[bytes, Pending] = {}
         self.name = uuid.uuid4().hex.encode()
@@ -90,13 +83,10 @@ class ManyRequester(OneProcess):
         self.connect()
 
     def connect(self) -> None:
-        self.socket = self.context.socket(zmq.DEALER)
-        limit(self.socket)
+        self.socket = self.prepared(zmq.DEALER)
         self.socket.rcvtimeo = int(SLICE_SECONDS * 1000)
         # The window is the limit of what is under way; no second one is needed.
         self.socket.sndhwm = 0
-        if self.keys:
-            self.keys.apply(self.socket)
         try:
             self.socket.connect(self.endpoint)
         except zmq.ZMQError:

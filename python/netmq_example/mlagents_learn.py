@@ -68,6 +68,9 @@ def main() -> None:
         raise SystemExit(f"mlagents-learn ended: {error}: look at the file and the options") from None
     except errors.TrainerConfigError as error:
         raise SystemExit(f"mlagents-learn ended: {error}") from None
+    if options.env_settings.num_envs < 1:
+        # It would wait for ever for the first of none.
+        raise SystemExit("mlagents-learn ended: with no simulator nobody plays: write --num-envs=1, or leave it out")
     try:
         learn.run_cli(options)
     except (errors.TrainerError, errors.TrainerConfigError, UnityException) as error:

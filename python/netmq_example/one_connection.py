@@ -1,4 +1,6 @@
-"""A socket's only connection: whether it is there is known, and no second one takes its place unseen."""
+"""A socket's only connection: whether it is there is known, and no second one takes its place unseen. At the other end
+a ROUTER knows of each peer whether it is there.
+"""
 
 import threading
 import time
@@ -33,6 +35,15 @@ def connect_once(socket: zmq.Socket[Any], endpoint: str, wait: float, stop: thre
                 raise (ConnectionRefusedError if refused.poll(0) else Timeout)(NO_CONNECTION)
         finally:
             socket.disable_monitor()
+
+
+def sent(socket: Any, peer: bytes, frames: list[Any]) -> bool:
+    """By a ROUTER socket. False if the peer is gone. One that takes nothing now gets it later, once more."""
+    try:
+        socket.send_multipart([peer, *frames], zmq.NOBLOCK)
+    except zmq.ZMQError as error:
+        return error.errno == zmq.EAGAIN
+    return True
 
 
 def poll(socket: zmq.Socket[Any], event: int, wait: float, stop: threading.Event | None = None) -> bool:

@@ -185,12 +185,12 @@ def limit(socket: Socket, largest: int = LARGEST_BYTES) -> None:
         socket.rcvhwm = max(8, WAITING_BYTES // largest)
 
 
-def receive(socket: Socket, timeout: float = math.inf, copy: bool = True) -> list[Any]:
-    """The frames of the next message; zmq.Again if none comes within `timeout` seconds."""
+def receive(socket: Socket, timeout: float = math.inf, take: Any = zmq.Socket.recv_multipart) -> list[Any]:
+    """The frames of the next message, as `take` takes them; zmq.Again if none comes within `timeout` seconds."""
     end = time.monotonic() + timeout
     while True:
         try:
-            return socket.recv_multipart(0, copy)
+            return take(socket)  # type: ignore[no-any-return]
         except zmq.Again:
             if time.monotonic() >= end:
                 raise

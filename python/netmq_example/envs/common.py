@@ -1,5 +1,6 @@
 """The environments of this package share how they are copied, what they send, and what they refuse."""
 
+import functools
 from collections.abc import Mapping
 from typing import Any, Self
 
@@ -49,11 +50,7 @@ class MadeAnew:
             raise TypeError(f"{type(self).__name__} has a {given} that it was given: no second one can have it as well")
         # gymnasium.make has written down there how it was made.
         spec = vars(self).get("spec")
-        return make, (type(self), args, kwargs), {"spec": spec} if spec else None
-
-
-def make(kind: Any, args: tuple[Any, ...], kwargs: dict[str, Any]) -> Any:
-    return kind(*args, **kwargs)
+        return functools.partial(type(self), *args, **kwargs), (), {"spec": spec} if spec else None
 
 
 def no_others(words: dict[str, object]) -> None:

@@ -21,6 +21,7 @@ from netmq_example import arguments, check
 from netmq_example.envs.common import OtherSide
 from netmq_example.errors import Lost, Timeout
 from netmq_example.messages import Message, MessageError
+from netmq_example.one_connection import sent
 from netmq_example.one_process import OneProcess
 from netmq_example.wire import records
 from netmq_example.wire.records import Record
@@ -87,7 +88,7 @@ class Connection(OneProcess):
             self.refuse(peer, error)
             raise
         # One that has said hello and is gone already is none.
-        if self.send(peer, Message("welcome", hello.id).frames()):
+        if sent(self.socket, peer, Message("welcome", hello.id).frames()):
             self.peer = peer
             if then:
                 then()
@@ -107,7 +108,7 @@ class Connection(OneProcess):
         end = time.monotonic() + self.timeout
         pause = RESEND_SECONDS
         while time.monotonic() < end:
-            if not self.peer or not self.send(self.peer, frames):
+            if not self.peer or not sent(self.socket, self.peer, frames):
                 why = self.other_side.gone
                 break
             answer = self.answer(min(end, time.monotonic() + pause))
@@ -144,15 +145,7 @@ class Connection(OneProcess):
             return peer, None
 
     def refuse(self, peer: bytes, error: MessageError) -> None:
-        self.send(peer, Message.refusal(error).frames())
-
-    def send(self, peer: bytes, frames: list[bytes]) -> bool:
-        """False if the peer is gone. One that takes nothing now is asked again."""
-        try:
-            self.socket.send_multipart([peer, *frames], zmq.NOBLOCK)
-        except zmq.ZMQError as error:
-            return error.errno == zmq.EAGAIN
-        return True
+        sent(self.socket, peer, Message.refusal(error).frames())
 
 
 def check_release(hello: Message) -> None:

@@ -21,9 +21,7 @@ came. In C# the other side is SceneSimulator.cs. It needs gymnasium and numpy.
 """
 
 import math
-import os
 import struct
-from collections.abc import Sequence
 from typing import Any
 
 import gymnasium
@@ -34,7 +32,7 @@ from netmq_example.envs.actions import Actions
 from netmq_example.envs.common import MadeAnew
 from netmq_example.envs.kinds import SceneHello, agreed
 from netmq_example.envs.observations import observations_of
-from netmq_example.envs.remote import GONE, Remote, checked_seed, info_in, refused_reset, scene_infos
+from netmq_example.envs.remote import GONE, checked_seed, info_in, refused_reset, scene_infos
 from netmq_example.envs.rendering import MODES, Rendered
 from netmq_example.errors import Lost
 from netmq_example.messages import EXACT, MessageError
@@ -45,11 +43,8 @@ REWARD = struct.Struct("<d")
 
 
 class UnityGymEnv(MadeAnew, Rendered, gymnasium.Env[Any, Any]):
-    """`where` is what Simulators takes: endpoint, launch, wait, timeout, context, fleet.
-
-    `agent_name` is needed where the scene has several agents. With `real_time` the world goes on while Python thinks,
-    and a step waits for its tick. Pictures and films, and what `views`, `render_fps` and `view_endpoint` are for, are
-    in rendering.py.
+    """`agent_name` is needed where the scene has several agents. The other words are those of rendering.py: where its
+    simulator is, `real_time`, `render_mode` and what belongs to that.
     """
 
     metadata: dict[str, Any] = {"render_modes": MODES, "render_fps": 50}  # noqa: RUF012, Gymnasium's own way.
@@ -60,15 +55,8 @@ class UnityGymEnv(MadeAnew, Rendered, gymnasium.Env[Any, Any]):
         observation_space: Space[Any] | None = None,
         action_space: Space[Any] | None = None,
         agent_name: str | None = None,
-        file_name: str | os.PathLike[str] | None = None,
-        render_mode: str | None = None,
-        views: Sequence[str] = ("",),
-        render_fps: float | None = None,
-        view_endpoint: str = "",
-        real_time: bool = False,
-        **where: Any,
+        **words: Any,
     ) -> None:
-        self.show(render_mode, views, render_fps, view_endpoint)
         check_space(observation_space, "observation")
         check_space(action_space, "action")
         self.given = observation_space, action_space
@@ -76,7 +64,7 @@ class UnityGymEnv(MadeAnew, Rendered, gymnasium.Env[Any, Any]):
         self.kind: Any = None
         # Whether an episode is under way.
         self.begun = False
-        self.find(Remote(env_name, self.use, file_name, real_time, **where))
+        self.find(env_name, **words)
 
     def use(self, scene: SceneHello) -> None:
         if self.kind:

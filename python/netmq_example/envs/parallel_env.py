@@ -15,8 +15,7 @@ Errors, and where the simulator comes from, are those of gym_env.py. It needs pe
 
 import copy
 import functools
-import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -33,7 +32,7 @@ from netmq_example.envs.gym_env import check_space
 from netmq_example.envs.kinds import Kind, SceneHello, agreed
 from netmq_example.envs.merge import fitted
 from netmq_example.envs.observations import observations_of
-from netmq_example.envs.remote import GONE, Remote, checked_seed, info_in, refused_reset, scene_infos
+from netmq_example.envs.remote import GONE, checked_seed, info_in, refused_reset, scene_infos
 from netmq_example.envs.rendering import MODES, Rendered
 from netmq_example.errors import Lost
 from netmq_example.messages import EXACT, MessageError
@@ -58,22 +57,15 @@ class Team:
 
 
 class UnityParallelEnv(MadeAnew, Rendered, ParallelEnv):  # type: ignore[misc, unused-ignore]
-    """Agents may end one after the other. `where` is what Simulators takes; films are in rendering.py."""
+    """Agents may end one after the other. The words besides are those of rendering.py."""
 
     def __init__(
         self,
         env_name: str,
         observation_spaces: Spaces | None = None,
         action_spaces: Spaces | None = None,
-        file_name: str | os.PathLike[str] | None = None,
-        render_mode: str | None = None,
-        views: Sequence[str] = ("",),
-        render_fps: float | None = None,
-        view_endpoint: str = "",
-        real_time: bool = False,
-        **where: Any,
+        **words: Any,
     ) -> None:
-        self.show(render_mode, views, render_fps, view_endpoint)
         self.given = given_spaces(observation_spaces, "observation"), given_spaces(action_spaces, "action")
         self.observation_spaces: dict[str, Space[Any]] = {}
         self.action_spaces: dict[str, Space[Any]] = {}
@@ -82,7 +74,7 @@ class UnityParallelEnv(MadeAnew, Rendered, ParallelEnv):  # type: ignore[misc, u
         # Whether an episode is under way: all may be over in it, and one may come yet.
         self.begun = False
         self.random, _ = seeding.np_random()
-        self.find(Remote(env_name, self.use, file_name, real_time, **where))
+        self.find(env_name, **words)
         self.possible_agents = [agent for team in self.teams for agent in team.agents.values()]
 
     def use(self, scene: SceneHello) -> None:

@@ -28,6 +28,7 @@ from typing import Any
 from gymnasium import logger
 
 from netmq_example import arguments
+from netmq_example.envs.kinds import SceneHello
 from netmq_example.envs.remote import Remote
 from netmq_example.envs.simulators import FREE_PORT, Simulators
 from netmq_example.errors import Lost
@@ -44,6 +45,7 @@ class Rendered:
     metadata: dict[str, Any]
     remote: Remote
     simulators: Simulators
+    use: Callable[[SceneHello], None]
     close_once: Callable[[], object]
     # Of views.py.
     renderer: Any = None
@@ -52,21 +54,34 @@ class Rendered:
     draws: bool | None = None
     newest: Any = None
 
-    def show(self, mode: Any, views: Any, render_fps: Any, view_endpoint: str) -> None:
-        """A mistake is named before anybody is waited for."""
-        if mode not in (None, *MODES):
-            raise ValueError(f"render_mode takes None or one of {', '.join(MODES)}, not {mode!r:.40}")
+    def find(
+        self,
+        env_name: str,
+        file_name: str | os.PathLike[str] | None = None,
+        render_mode: str | None = None,
+        views: Sequence[str] = ("",),
+        render_fps: float | None = None,
+        view_endpoint: str = "",
+        real_time: bool = False,
+        **where: Any,
+    ) -> None:
+        """Its simulator, of which `use` looks at the agents. `where` is what Simulators takes: endpoint, launch, wait,
+        timeout, context, fleet; `file_name` is gymize's name for launch. With `real_time` the world goes on while
+        Python thinks, and a step waits for its tick.
+
+        A mistake is named before anybody is waited for. What is launched is told where its views go; if none comes,
+        their port is free at once.
+        """
+        if render_mode not in (None, *MODES):
+            raise ValueError(f"render_mode takes None or one of {', '.join(MODES)}, not {render_mode!r:.40}")
         if not isinstance(views, list | tuple) or not views or not all(isinstance(view, str) for view in views):
             raise ValueError(f'views takes a list of names, such as ["", "front"], not {views!r:.80}')
         if render_fps is not None:
             arguments.number("render_fps", render_fps, least=0.01, most=1000)
-        self.render_mode = mode
+        self.render_mode = render_mode
         self.render_fps = render_fps
         self.views = views, view_endpoint
-
-    def find(self, remote: Remote) -> None:
-        """Its simulator. One that is launched is told where its views go; if none comes, their port is free at once."""
-        self.remote = remote
+        remote = self.remote = Remote(env_name, self.use, file_name, real_time, **where)
         self.simulators = remote.simulators
         try:
             # Libraries always ask for rgb_array, also where there is no Pillow, or the views' port is another one's.

@@ -12,31 +12,27 @@ agent that leaves its own: they are truncated, and `infos["lost"]` says why. An 
 and no ends until it comes back. The C# side is SceneSimulator.cs. Lesson 17's hub has as many scenes in place of one.
 """
 
-import os
-from collections.abc import Sequence
 from typing import Any
 
 import gymnasium
 import numpy as np
 from gymnasium.spaces import Space
 from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import iterate
 
 from netmq_example import arguments, check
 from netmq_example.envs.common import checked_options
-from netmq_example.envs.episodes import Episodes
 from netmq_example.envs.gym_env import check_space
 from netmq_example.envs.infos import Infos
-from netmq_example.envs.remote import Remote, refused_reset
+from netmq_example.envs.remote import refused_reset
 from netmq_example.envs.rendering import MODES
 from netmq_example.envs.vector_rows import VectorRows
 from netmq_example.errors import Lost
 
 
 class UnityVectorEnv(VectorRows, VectorEnv[Any, Any, Any]):
-    """The agents of one kind. `where` is what Simulators takes: endpoint, launch, wait, timeout, context, fleet.
-
-    `agent_name` is the name of the kind, which is needed where the scene has several. With `real_time` the world goes
-    on while Python thinks, and a step waits for its tick.
+    """The agents of one kind. `agent_name` is its name, which is needed where the scene has several kinds. The words
+    besides are those of rendering.py: where its simulator is, `real_time`, `render_mode` and what belongs to that.
     """
 
     metadata: dict[str, Any] = {"render_modes": MODES}  # noqa: RUF012, Gymnasium's own way.
@@ -50,42 +46,22 @@ class UnityVectorEnv(VectorRows, VectorEnv[Any, Any, Any]):
         observation_space: Space[Any] | None = None,
         action_space: Space[Any] | None = None,
         agent_name: str | None = None,
-        file_name: str | os.PathLike[str] | None = None,
         max_episode_steps: int | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
-        render_mode: str | None = None,
-        views: Sequence[str] = ("",),
-        render_fps: float | None = None,
-        view_endpoint: str = "",
-        real_time: bool = False,
-        **where: Any,
+        **words: Any,
     ) -> None:
-        self.show(render_mode, views, render_fps, view_endpoint)
         check_space(observation_space, "observation")
         check_space(action_space, "action")
-        self.num_envs = check.count("num_envs", num_envs)
         self.given = observation_space, action_space
         self.agent_name = None if agent_name is None else arguments.text("agent_name", agent_name)
         if autoreset_mode not in [*AutoresetMode, *(mode.value for mode in AutoresetMode)]:
             modes = ", ".join(mode.value for mode in AutoresetMode)
             raise ValueError(f"autoreset_mode takes one of {modes}, not {autoreset_mode!r:.40}")
-        self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.observation_mode = "same"
         unlimited = max_episode_steps is None or max_episode_steps == -1
         limit = 0 if unlimited else check.count("max_episode_steps", max_episode_steps)
-        self.episodes = Episodes(self.num_envs, limit)
-        self.kind = None
-        self.begun = False
-        # The agents whose episode is over, and those that are away; None, if there are none.
-        self.over = None
-        self.gone = None
-        # Those that are away, and of whom that was said; and those that have stepped last, None for all.
-        self.away = None
-        self.stepping = None
-        self.infos = Infos(self.num_envs)
-        # Infos of episodes that have ended, while others have begun in the same step.
-        self.final_infos = {}
-        self.find(Remote(env_name, self.use, file_name, real_time, **where))
+        super().__init__(check.count("num_envs", num_envs), AutoresetMode(autoreset_mode), limit)
+        self.find(env_name, **words)
         self.closed = False
 
     def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
@@ -126,6 +102,21 @@ class UnityVectorEnv(VectorRows, VectorEnv[Any, Any, Any]):
         results = self.results(answer, again)
         self.filmed(begins=False)
         return results
+
+    def lost(self, why: str) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+        """The simulator is gone, and so are all episodes. The last observations stand for unknown ones."""
+        self.infos = Infos(self.num_envs, None, {"lost": why})
+        nothing = np.zeros(self.num_envs)
+        seen = self.seen.batch()
+        self.over = np.ones(self.num_envs, bool)
+        infos = self.infos.gathered()
+        if self.autoreset_mode == AutoresetMode.SAME_STEP:
+            finals = list(iterate(self.observation_space, seen))
+            seen = self.begin(self.over, {})
+            self.final_infos = {agent: {"lost": why} for agent in range(self.num_envs)}
+            infos = self.with_last(self.infos.gathered(), dict(enumerate(finals)))
+        self.filmed(begins=False)
+        return seen, nothing, nothing > 0, nothing == 0, infos
 
     def own_picture(self, pictures: list[Any]) -> Any:
         first = self.kind.first

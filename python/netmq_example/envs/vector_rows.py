@@ -38,21 +38,26 @@ def rewards_of(section: Section) -> Any:
 
 
 class VectorRows(MadeAnew, Rendered):
-    """Of UnityVectorEnv, which sets these."""
+    """Of UnityVectorEnv. An episode has `limit` steps at most, or with 0 as many as it likes."""
 
-    num_envs: int
     given: tuple[Any, Any]
     agent_name: str | None
-    autoreset_mode: AutoresetMode
-    episodes: Episodes
-    kind: Any
-    begun: bool
-    over: Any
-    gone: Any
-    away: Any
-    stepping: Any
-    infos: Infos
-    final_infos: dict[int, dict[str, Any]]
+
+    def __init__(self, num_envs: int, autoreset_mode: AutoresetMode, limit: int) -> None:
+        self.num_envs = num_envs
+        self.autoreset_mode = autoreset_mode
+        self.episodes = Episodes(num_envs, limit)
+        self.kind: Any = None
+        self.begun = False
+        # The agents whose episode is over, and those that are away; None, if there are none.
+        self.over: Any = None
+        self.gone: Any = None
+        # Those that are away, and of whom that was said; and those that have stepped last, None for all.
+        self.away: Any = None
+        self.stepping: Any = None
+        self.infos = Infos(num_envs)
+        # Infos of episodes that have ended, while others have begun in the same step.
+        self.final_infos: dict[int, dict[str, Any]] = {}
 
     def use(self, scene: SceneHello) -> None:
         if self.kind:
@@ -219,18 +224,3 @@ class VectorRows(MadeAnew, Rendered):
             said.add(agent, self.final_infos[agent])
         finals = {"final_obs": seen, "_final_obs": mask, "final_info": said.mixed(), "_final_info": mask.copy()}
         return {**infos, **finals}
-
-    def lost(self, why: str) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
-        """The simulator is gone, and so are all episodes. The last observations stand for unknown ones."""
-        self.infos = Infos(self.num_envs, None, {"lost": why})
-        nothing = np.zeros(self.num_envs)
-        seen = self.seen.batch()
-        self.over = np.ones(self.num_envs, bool)
-        infos = self.infos.gathered()
-        if self.autoreset_mode == AutoresetMode.SAME_STEP:
-            finals = list(iterate(self.observation_space, seen))
-            seen = self.begin(self.over, {})
-            self.final_infos = {agent: {"lost": why} for agent in range(self.num_envs)}
-            infos = self.with_last(self.infos.gathered(), dict(enumerate(finals)))
-        self.filmed(begins=False)
-        return seen, nothing, nothing > 0, nothing == 0, infos

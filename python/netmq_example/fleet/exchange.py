@@ -17,35 +17,13 @@ from typing import Any
 from netmq_example.fleet import pieces
 from netmq_example.fleet.members import Part
 from netmq_example.messages import MessageError
-from netmq_example.wire.records import (
-    ABSENT,
-    ANSWERS,
-    ASKS,
-    AUTORESET,
-    ENDED,
-    FORM,
-    HEAD,
-    LAST,
-    NEW,
-    NOTHING,
-    REAL_TIME,
-    RESET,
-    SCENE_CLOCK,
-    SECTION,
-    SEEN,
-    SIZES,
-    STEP,
-    TERMINATED,
-    TRUNCATED,
-    ZEROS,
-    Record,
-    Section,
-)
+from netmq_example.wire import records
+from netmq_example.wire.records import Record, Section
 from netmq_example.wire.sections import with_infos
 
-OVER = TERMINATED | TRUNCATED
+OVER = records.TERMINATED | records.TRUNCATED
 # All marks but those of somebody who has come.
-NOT_NEW = bytes(mark for mark in range(256) if not mark & NEW)
+NOT_NEW = bytes(mark for mark in range(256) if not mark & records.NEW)
 HERE = "a hub steps simulators as often as it must, and so "
 # Channels whose messages set something that stays set, and how their keys begin: with a text, or with a number.
 PARAMETERS = {
@@ -65,7 +43,7 @@ class Playing:
 
     def begins(self, sections: list[Section]) -> bool:
         orders = [(one.kind, row, order) for one in sections for row, order in enumerate(one.marks) if order]
-        reset = {(kind, row) for kind, row, order in orders if order == RESET}
+        reset = {(kind, row) for kind, row, order in orders if order == records.RESET}
         if not reset:
             return False
         begins = len(reset) == len(orders) and reset >= self.rows
@@ -76,7 +54,7 @@ class Playing:
         """Newcomers play as well."""
         for one in sections:
             if one.marks.translate(None, NOT_NEW):
-                self.rows.update((one.kind, row) for row, mark in enumerate(one.marks) if mark & NEW)
+                self.rows.update((one.kind, row) for row, mark in enumerate(one.marks) if mark & records.NEW)
 
 
 class Exchange:
@@ -84,16 +62,16 @@ class Exchange:
 
     def __init__(self, request: Record, areas: int, parameters: dict[bytes, bytes], playing: Playing) -> None:
         """`parameters` are those that the trainer has set: each simulator of a new episode gets them first."""
-        if request.bits & REAL_TIME:
+        if request.bits & records.REAL_TIME:
             raise MessageError("real-time", f"{HERE}has no real time: leave out real_time, or connect the scene itself")
-        if request.bits & SCENE_CLOCK:
+        if request.bits & records.SCENE_CLOCK:
             raise MessageError("scenes-clock", f"{HERE}has no clock of a scene's: connect the scene itself")
-        if any(section.columns & ~(FORM | SIZES) for section in request.sections):
+        if any(section.columns & ~(records.FORM | records.SIZES) for section in request.sections):
             raise MessageError("bad-record", "a request has no such columns by Python's clock")
         self.request = request
         self.areas = areas
         self.playing = playing
-        self.autoreset = bool(request.bits & AUTORESET)
+        self.autoreset = bool(request.bits & records.AUTORESET)
         self.before = b"".join(parameters.values())
         if request.exchange:
             parameters = parameters | parameters_in(bytes(request.exchange))
@@ -107,8 +85,8 @@ class Exchange:
         sections, request = self.request.sections, self.request
         if not sections:
             raise MessageError("bad-record", "a request asks for one kind at least")
-        said = request.said if request.has(RESET) else b""
-        bits = request.bits & AUTORESET
+        said = request.said if request.has(records.RESET) else b""
+        bits = request.bits & records.AUTORESET
         return {0: self.part(sections, self.playing.begins(sections), said, request.exchange, self.before, bits)}
 
     def split(self) -> dict[int, Part]:
@@ -124,8 +102,8 @@ class Exchange:
         for area, piece in enumerate(pieces.cut(section)):
             order = piece.marks[0]
             if order or request.exchange:
-                said = request.said if order == RESET else b""
-                parts[area] = self.part([piece], order == RESET, said, request.exchange, self.before)
+                said = request.said if order == records.RESET else b""
+                parts[area] = self.part([piece], order == records.RESET, said, request.exchange, self.before)
         return parts
 
     def part(
@@ -133,7 +111,7 @@ class Exchange:
     ) -> Part:
         if begins and exchange is not None:
             exchange = known + bytes(exchange)
-        frame = Record(ASKS, 0, sections, bits, said, exchange).frame()
+        frame = Record(records.ASKS, 0, sections, bits, said, exchange).frame()
         return Part(frame, [(section.kind, len(section.marks)) for section in sections], begins)
 
     def again(self, area: int, answer: Record) -> Part | None:
@@ -142,19 +120,22 @@ class Exchange:
             return None
         (section,) = self.request.sections
         mark, order = answer.sections[0].marks[0], section.marks[area]
-        if order not in (STEP, LAST) or not (mark & OVER and mark & SEEN):
+        if order not in (records.STEP, records.LAST) or not (mark & OVER and mark & records.SEEN):
             return None
         self.ended[area] = answer
-        return self.reset([Section(section.kind, section.numbers[8 * area : 8 * area + 8], bytes((RESET,)))])
+        return self.reset([Section(section.kind, section.numbers[8 * area : 8 * area + 8], bytes((records.RESET,)))])
 
     def anew(self, answer: Record) -> Part | None:
         """How the episode of a single scene can be begun where all of them have just begun anew."""
         self.playing.see(answer.sections)
-        ended = {(one.kind, row) for one in answer.sections if one.columns & ENDED for row in one.whose()}
+        ended = {(one.kind, row) for one in answer.sections if one.columns & records.ENDED for row in one.whose()}
         if not ended or not ended >= self.playing.rows:
             return None
         rows = [
-            (one, bytes(RESET if (one.kind, row) in ended else NOTHING for row in range(len(one.marks))))
+            (
+                one,
+                bytes(records.RESET if (one.kind, row) in ended else records.NOTHING for row in range(len(one.marks))),
+            )
             for one in self.request.sections
         ]
         return self.reset([Section(one.kind, one.numbers, marks) for one, marks in rows])
@@ -168,7 +149,7 @@ class Exchange:
         one = self.areas == 1
         exchange = [answer.exchange for answer in each]
         return Record(
-            ANSWERS,
+            records.ANSWERS,
             self.request.id,
             each[0].sections if one else self.of_all(answers),
             said=each[0].said if one else b"",
@@ -188,17 +169,17 @@ class Exchange:
 
 def plain_parts(section: Section) -> dict[int, Part]:
     """Of most steps, where all parts have one form."""
-    steps = len(section.marks.translate(None, bytes((NOTHING, RESET))))
+    steps = len(section.marks.translate(None, bytes((records.NOTHING, records.RESET))))
     size = len(section.values) // steps if steps else 0
-    reset = head_of(section.kind, RESET, 0)
+    reset = head_of(section.kind, records.RESET, 0)
     numbers, values, rows = bytes(section.numbers), bytes(section.values), [(section.kind, 1)]
     parts, at = {}, 0
     for area, order in enumerate(section.marks):
-        if order == RESET:
+        if order == records.RESET:
             parts[area] = Part(b"".join((reset[:48], numbers[8 * area : 8 * area + 8], reset[56:])), rows, True)
         elif order:
             head = head_of(section.kind, order, size)
-            parts[area] = Part(b"".join((head, values[at : at + size], ZEROS[size % 8])), rows, False)
+            parts[area] = Part(b"".join((head, values[at : at + size], records.ZEROS[size % 8])), rows, False)
             at += size
     return parts
 
@@ -206,19 +187,19 @@ def plain_parts(section: Section) -> dict[int, Part]:
 @functools.lru_cache(100)
 def head_of(kind: int, order: int, size: int) -> bytes:
     """All before an action of so many bytes; the seed stands at 48."""
-    head = HEAD.pack(ASKS, 0, 1, 0, 0, 0, 0) + SECTION.pack(kind, 0, 1, 0, size, 0, 0)
-    return head + bytes(8) + bytes((order,)) + ZEROS[1]
+    head = records.HEAD.pack(records.ASKS, 0, 1, 0, 0, 0, 0) + records.SECTION.pack(kind, 0, 1, 0, size, 0, 0)
+    return head + bytes(8) + bytes((order,)) + records.ZEROS[1]
 
 
 def over(piece: Section) -> Section:
     """The last row of an episode, whoever has left with it."""
-    piece.marks = bytes((piece.marks[0] & ~ABSENT,))
+    piece.marks = bytes((piece.marks[0] & ~records.ABSENT,))
     return piece
 
 
 def begun(piece: Section) -> Section:
     """The first row of an episode that has begun in a step: nothing was earned in it."""
-    piece.marks = bytes((piece.marks[0] | (NEW if piece.marks[0] & SEEN else 0),))
+    piece.marks = bytes((piece.marks[0] | (records.NEW if piece.marks[0] & records.SEEN else 0),))
     piece.numbers = bytes(8)
     return piece
 

@@ -19,13 +19,12 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-import zmq
-
 from netmq_example import arguments, check
 from netmq_example.fleet import pieces
 from netmq_example.fleet.members import Member, NotTaken, accept, fits, kinds_in, offer, size_of
 from netmq_example.fleet.trainers import Trainer
 from netmq_example.messages import Message, MessageError, take
+from netmq_example.one_connection import sent
 from netmq_example.program import Socket
 from netmq_example.wire import records
 
@@ -101,7 +100,7 @@ class Hub:
         except MessageError as error:
             if isinstance(error, NotTaken):
                 self.report(f"refused: {error}")
-            self.send(peer, Message.refusal(error).frames())
+            sent(self.socket, peer, Message.refusal(error).frames())
         self.lease()
 
     def answered(self, peer: bytes, member: Member, answer: Any) -> None:
@@ -124,14 +123,15 @@ class Hub:
             raise NotTaken("too-many-worlds", "the hellos that are here fill the hub's room for them; try again later")
         self.hellos[name] = hello
         self.count["came"] += 1
-        self.members[peer] = Member(self.count["came"], name, partial(self.send, peer))
+        self.members[peer] = Member(self.count["came"], name, partial(sent, self.socket, peer))
 
     def join(self, peer: bytes, message: Message) -> None:
         name = take(message.values, "name", str)
         areas = take(message.values, "areas", int)
         if peer in self.trainers:
             self.trainers.pop(peer).release()
-        self.trainers[peer] = Trainer(name, areas, partial(self.send, peer), self.count, partial(self.room, peer))
+        send = partial(sent, self.socket, peer)
+        self.trainers[peer] = Trainer(name, areas, send, self.count, partial(self.room, peer))
 
     def room(self, peer: bytes) -> int:
         others = sum(trainer.size for each, trainer in self.trainers.items() if each != peer)
@@ -161,14 +161,6 @@ class Hub:
         if member.episode:
             member.episode.lost_by(member)
         self.report(f"simulator {member.number} is gone: {why}")
-
-    def send(self, peer: bytes, frames: list[Any]) -> bool:
-        """False if it is gone. One that takes nothing now gets it later, once more."""
-        try:
-            self.socket.send_multipart([peer, *frames], zmq.NOBLOCK)
-        except zmq.ZMQError as error:
-            return error.errno == zmq.EAGAIN
-        return True
 
     def tick(self) -> None:
         """Look at what is silent, gone or late, and at what may begin."""
@@ -203,7 +195,7 @@ class Hub:
         if not member.there:
             self.lose(peer, "its connection is")
         elif idle or now > member.heard + UNANSWERED_SECONDS:
-            self.send(peer, Message("close", member.id + 1).frames())
+            sent(self.socket, peer, Message("close", member.id + 1).frames())
             why = f"nothing to do for {self.idle:g} s" if idle else f"no answer for {UNANSWERED_SECONDS:g} s"
             self.lose(peer, why)
 

@@ -12,7 +12,6 @@ harm. The news is the newest state, as a message of `accepted`, `feedback` or `c
 In C# it is JobClient.cs, and JobNews.cs.
 """
 
-import logging
 import re
 import time
 import uuid
@@ -22,12 +21,12 @@ from typing import Any
 import zmq
 
 from netmq_example import arguments, check
-from netmq_example.beacon import BeaconSearch
 from netmq_example.errors import Refused, Timeout
 from netmq_example.former import positional
 from netmq_example.messages import LIMIT, Message, MessageError, take
-from netmq_example.one_process import OneProcess, one_at_a_time
-from netmq_example.program import Context, Socket, limit
+from netmq_example.one_process import one_at_a_time
+from netmq_example.program import Context, Socket
+from netmq_example.requester import Requester
 from netmq_example.trouble import longer, tried
 
 STATUSES = ("succeeded", "canceled", "aborted")
@@ -45,8 +44,6 @@ ENDS = ("result", "forgotten")
 ASK_AGAIN_SECONDS = 1.0
 # On Windows Ctrl-C is heard only between two waits.
 SLICE_MS = 20
-
-log = logging.getLogger("netmq_example.client")
 
 
 def job_id(name: str, value: Any) -> str:
@@ -68,8 +65,10 @@ def check_news(news: Message) -> None:
         raise MessageError("bad-status", f"status {status!a:.40} is none of {', '.join(STATUSES)}")
 
 
-class JobClient(OneProcess):
+class JobClient(Requester):
     """One job, over one DEALER socket at a time. Use it on one thread."""
+
+    largest = LIMIT
 
     @positional("context", "endpoint", "job", "timeout", "tries", "report")
     def __init__(
@@ -86,14 +85,9 @@ class JobClient(OneProcess):
         The first of at most `tries` tries waits `timeout` seconds for news, and each one after it twice as long, up to
         8 times. Each retry is logged as a warning.
         """
-        self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5564", beacon=True)
-        self.search = BeaconSearch(endpoint)
+        super().__init__(endpoint, "tcp://127.0.0.1:5564", timeout, tries, context=context)
         # An id must never come twice, whichever program makes one: hence the uuid.
         self.job = uuid.uuid4().hex if job is None else job_id("job", job)
-        self.timeout = check.seconds("timeout", timeout)
-        self.tries = check.count("tries", tries)
-        self.context: Context = arguments.context(context)
-        self.report = log.warning
         self.request = self.ask("status")
         # The fault in a message of this try.
         self.dropped = ""
@@ -207,8 +201,7 @@ class JobClient(OneProcess):
             pass
 
     def open(self) -> Socket:
-        socket = self.context.socket(zmq.DEALER)
-        limit(socket, LIMIT)
+        socket = self.prepared(zmq.DEALER)
         socket.rcvtimeo = SLICE_MS
         self.where = ""
         return socket

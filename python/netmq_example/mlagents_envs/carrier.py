@@ -55,7 +55,7 @@ class Peer:
     """One simulator as the server knows it: its channels, and what is on the way from it and to it."""
 
     def __init__(self, manager: SideChannelManager) -> None:
-        self.manager = check.instance("manager", manager, SideChannelManager)
+        self.manager = manager
         self.unread = deque[bytes]()
         self.unsent = deque[bytes]()
         # It has said "I am here" and is to be answered.
@@ -81,9 +81,7 @@ class Peer:
 
 def parts(exchange: bytes) -> Iterator[bytes]:
     """Several smaller exchanges in place of a large one, which would take its time."""
-    exchange = arguments.data("exchange", exchange)
-    begin = 0
-    end = 0
+    begin = end = 0
     while len(exchange) - end >= 20:
         (length,) = struct.unpack_from("<i", exchange, end + 16)
         if not 0 <= length <= len(exchange) - end - 20:

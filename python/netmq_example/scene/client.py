@@ -94,8 +94,10 @@ class EnvironmentClient:
                 except (TimeoutError, ConnectionRefusedError) as error:
                     # Where nobody listens yet, a short try is enough.
                     self.tries = 0 if isinstance(error, ConnectionRefusedError) else self.tries + 1
-                    if self.why == NO_CONNECTION:
+                    if self.why == NO_CONNECTION != str(error):
+                        # Connected: it may wait for so long, and nobody would know why.
                         self.why = str(error)
+                        self.report(f"trouble: {error}")
                     self.pause()
         waited = f"no environment at {self.endpoint} within {self.timeout:g} s"
         keys = ", and has this simulator's key on its list" if self.prepare else ""
@@ -121,7 +123,7 @@ class EnvironmentClient:
 
     def talk(self, socket: zmq.Socket[bytes], simulator: SimulatorBase, count: int, limit: float) -> None:
         socket.send_multipart(simulator.hello().frames(), zmq.NOBLOCK)
-        welcome = self.receive(socket, limit)
+        welcome = self.receive(socket, limit, "it is there and says nothing: has it another scene, or is it busy?")
         if welcome.kind != "welcome":
             raise MessageError("no-welcome", "hello had another answer")
         log.info("simulating %s for %s", simulator.name, self.endpoint)
@@ -143,12 +145,14 @@ class EnvironmentClient:
             self.why = NO_CONNECTION
             self.tries = 0
 
-    def receive(self, socket: zmq.Socket[bytes], limit: float) -> Any:
+    def receive(
+        self, socket: zmq.Socket[bytes], limit: float, silent: str = "the environment is gone, or silent"
+    ) -> Any:
         """The next message or record within `limit` seconds; MessageError is the environment's refusal."""
         end = time.monotonic() + limit
         while not socket.poll(min(SLICE_MS, int(1000 * limit))):
             if time.monotonic() > end or not socket.poll(0, zmq.POLLOUT):
-                raise Timeout("the environment is gone, or silent")
+                raise Timeout(silent)
         message = records.read_frames(records.ASKS, socket.recv_multipart())
         if message.kind == "error":
             code, text = (str(message.values.get(name, "not said")) for name in ("code", "text"))

@@ -8,26 +8,8 @@ from netmq_example.scene.kind import Kind, with_rows
 from netmq_example.scene.roster import Roster
 from netmq_example.scene.scene import Scene
 from netmq_example.scene.steps import Asked, Steps, options_in, reward_of, state_in
-from netmq_example.wire import trees
-from netmq_example.wire.records import (
-    ABSENT,
-    AUTORESET,
-    ENDED,
-    FORM,
-    LAST,
-    NEW,
-    NOTHING,
-    RESET,
-    SEEN,
-    SIZES,
-    STEP,
-    TERMINATED,
-    TRUNCATED,
-    WHO,
-    Record,
-    Section,
-    bad,
-)
+from netmq_example.wire import records, trees
+from netmq_example.wire.records import Record, Section, bad
 from netmq_example.wire.sections import rewards, with_infos
 from netmq_example.wire.spaces import write_dict
 
@@ -39,7 +21,7 @@ class Exchange(Steps):
     """MessageError says what is wrong with the request."""
 
     def __init__(self, scene: Scene, roster: Roster, request: Record, seed: int) -> None:
-        super().__init__(scene, roster, request.said, seed, bool(request.bits & AUTORESET))
+        super().__init__(scene, roster, request.said, seed, bool(request.bits & records.AUTORESET))
         if not request.sections:
             raise bad("it has no sections")
         for section in request.sections:
@@ -48,10 +30,12 @@ class Exchange(Steps):
             (agent, action)
             for one in self.asked
             for row, action in enumerate(one.actions)
-            if one.orders[row] in (STEP, LAST) and (agent := one.kind.present[row]) and one.kind.begun[row]
+            if one.orders[row] in (records.STEP, records.LAST)
+            and (agent := one.kind.present[row])
+            and one.kind.begun[row]
         ]
         for one in self.asked:
-            if RESET in one.orders:
+            if records.RESET in one.orders:
                 state_in(options_in(self.said), one.kind.state_size)
 
     def read(self, section: Section) -> Asked:
@@ -60,14 +44,19 @@ class Exchange(Steps):
             raise MessageError(
                 "wrong-agents", f"kind {section.kind} is none, or asked for twice: there are {len(kinds)}"
             )
-        if section.columns & ~(SIZES | FORM):
+        if section.columns & ~(records.SIZES | records.FORM):
             raise bad(f"columns {section.columns} cannot be in a request by Python's clock")
         kind = kinds[section.kind]
         rows, count = len(section.marks), len(kind.names)
         if rows != count:
             raise MessageError("wrong-agents", f"{rows} rows, but there are {count} agents of {kind.name}")
         for row, order in enumerate(section.marks):
-            if order in (STEP, LAST) and kind.present[row] and not kind.begun[row] and row not in kind.fresh:
+            if (
+                order in (records.STEP, records.LAST)
+                and kind.present[row]
+                and not kind.begun[row]
+                and row not in kind.fresh
+            ):
                 raise MessageError("wrong-agents", f"{kind.names[row]} is over, or has not begun: reset comes first")
         return Asked(kind, section)
 
@@ -77,10 +66,10 @@ class Exchange(Steps):
             kind = one.kind
             ended: dict[int, Agent] = {}
             for row, order in enumerate(one.orders):
-                agent = kind.present[row] if order in (STEP, LAST) else None
+                agent = kind.present[row] if order in (records.STEP, records.LAST) else None
                 if agent is None or not kind.begun[row]:
                     continue
-                if order == LAST:
+                if order == records.LAST:
                     agent.truncated = True
                 if over(agent):
                     ended[row] = agent
@@ -96,8 +85,8 @@ class Exchange(Steps):
         section = Section(
             kind.number,
             rewards([reward for reward, _ in taken]),
-            bytes(SEEN | ends(agent) for agent in ended.values()),
-            columns=ENDED | WHO,
+            bytes(records.SEEN | ends(agent) for agent in ended.values()),
+            columns=records.ENDED | records.WHO,
             who=struct.pack(f"<{len(ended)}I", *ended),
         )
         with_infos(section, {at: info for at, (_, info) in enumerate(taken) if info})
@@ -125,23 +114,23 @@ class Exchange(Steps):
             if agent is None:
                 agent = kind.last[row]
                 told, kind.told[row] = kind.told[row], True
-                marks[row] = ABSENT
+                marks[row] = records.ABSENT
                 if agent is None:
                     continue
                 # An end is told once.
                 if kind.begun[row] and not told and not (self.autoreset and row in one.last):
-                    marks[row] |= ends(agent) | (SEEN if row in one.last else 0)
+                    marks[row] |= ends(agent) | (records.SEEN if row in one.last else 0)
             elif row in one.new:
-                marks[row] = NEW | SEEN
-            elif order == NOTHING:
+                marks[row] = records.NEW | records.SEEN
+            elif order == records.NOTHING:
                 continue
             else:
-                marks[row] = SEEN
-            if row in one.last and marks[row] == SEEN:
+                marks[row] = records.SEEN
+            if row in one.last and marks[row] == records.SEEN:
                 marks[row] |= ends(agent)
                 # From now on it must be reset.
                 kind.begun[row] = False
-            elif marks[row] & SEEN and not marks[row] & ABSENT:
+            elif marks[row] & records.SEEN and not marks[row] & records.ABSENT:
                 seeing.append(agent)
             telling[row] = agent
         rows = self.seen(kind, seeing)
@@ -152,13 +141,17 @@ class Exchange(Steps):
                 infos[row] = info
         if one.last and not self.autoreset:
             each = iter(rows)
-            rows = [one.last[row] if row in one.last else next(each) for row, mark in enumerate(marks) if mark & SEEN]
+            rows = [
+                one.last[row] if row in one.last else next(each)
+                for row, mark in enumerate(marks)
+                if mark & records.SEEN
+            ]
         section = with_infos(Section(kind.number, rewards(numbers), bytes(marks)), infos)
         return with_rows(section, rows, kind.located)
 
 
 def ends(agent: Agent) -> int:
-    return (TERMINATED if agent.terminated else 0) | (TRUNCATED if agent.truncated else 0)
+    return (records.TERMINATED if agent.terminated else 0) | (records.TRUNCATED if agent.truncated else 0)
 
 
 def take(agent: Agent) -> tuple[float, bytes]:

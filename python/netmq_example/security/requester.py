@@ -9,7 +9,6 @@ never tries again on a socket that was refused, so each try has a new one: a cli
 Bytes: UTF-8 text, one frame each way.
 """
 
-import logging
 import os
 import time
 from pathlib import Path
@@ -17,20 +16,16 @@ from typing import Any
 
 import zmq
 
-from netmq_example import arguments, check
-from netmq_example.beacon import BeaconSearch
+from netmq_example import check
 from netmq_example.errors import Timeout
 from netmq_example.former import positional
-from netmq_example.one_process import OneProcess, one_at_a_time
-from netmq_example.program import Context, Socket, encoded, limit, option, text_of
+from netmq_example.one_process import one_at_a_time
+from netmq_example.program import Context, Socket, encoded, option, text_of
+from netmq_example.requester import PAUSE_SECONDS, Requester
 from netmq_example.security.keys import checked, checked_path, load, make
 from netmq_example.trouble import longer, tried
 
-# Seconds between two tries, where the first was over at once.
-PAUSE_SECONDS = 0.25
 THROWN_OUT = "connected and thrown out"
-
-log = logging.getLogger("netmq_example.client")
 
 
 class ClientKeys:
@@ -60,7 +55,7 @@ def client_keys(text: str) -> ClientKeys:
     return option(lambda _, folder: ClientKeys(folder), text, str)
 
 
-class SecureRequester(OneProcess):
+class SecureRequester(Requester):
     """Asks a server that knows its clients: on any thread, but on one at a time."""
 
     @positional("context", "endpoint", "keys", "timeout", "tries", "report")
@@ -77,14 +72,8 @@ class SecureRequester(OneProcess):
 
         Each retry is logged as a warning. Without keys it speaks plain, which such a server refuses too.
         """
-        self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5565", beacon=True)
-        self.search = BeaconSearch(endpoint)
-        self.keys: ClientKeys | None = check.instance("keys", keys, ClientKeys, type(None))
-        self.timeout = check.seconds("timeout", timeout)
-        self.tries = check.count("tries", tries)
-        self.context: Context = arguments.context(context)
-        self.report = log.warning
-        self.socket: Socket | None = None
+        check.instance("keys", keys, ClientKeys, type(None))
+        super().__init__(endpoint, "tcp://127.0.0.1:5565", timeout, tries, keys, context)
         self.number = 0
 
     @one_at_a_time
@@ -107,17 +96,11 @@ class SecureRequester(OneProcess):
             cure = self.search.cure("is the server running, or its reply over 64 KB?")
         raise Timeout(f"{tried(self.tries)} to ask {self.endpoint}, the last: {trouble}; {cure}")
 
-    def close(self) -> None:
-        """Close the socket, on the thread that asks. Twice is once."""
-        self.close_socket()
-        self.search.close()
-
     def close_socket(self) -> None:
         if self.socket:
             self.socket.disable_monitor()
             self.monitor.close()
-            self.socket.close()
-        self.socket = None
+        super().close_socket()
 
     def _try(self, request: bytes, timeout: float) -> tuple[str | None, str]:
         """One try: the reply, or what came in its place."""
@@ -143,16 +126,13 @@ class SecureRequester(OneProcess):
         return None, f"no reply within {timeout:g} s"
 
     def _open(self, where: str) -> Socket:
-        socket = self.context.socket(zmq.REQ)
-        limit(socket)
-        if self.keys:
-            self.keys.apply(socket)
+        socket = self.prepared(zmq.REQ)
         self.monitor = socket.get_monitor_socket(zmq.EVENT_DISCONNECTED)
         socket.connect(where)
         return socket
 
     def _advice(self) -> str:
-        if not self.keys:
+        if not isinstance(self.keys, ClientKeys):
             return "a server with keys refuses who has none"
         key = self.keys.public.decode()
         return f"is this client on its list, is server.key its key, and has it keys at all? This client's is {key}"

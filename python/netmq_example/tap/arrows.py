@@ -22,7 +22,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from netmq_example import check
 from netmq_example.tap.zmtp import NotZeroMQ, Piece
 
 # So many arrows, and bytes of all their messages together, are kept.
@@ -86,9 +85,6 @@ class Arrows:
 
     def add(self, link: int, way: str, piece: Piece | None, text: str = "") -> None:
         """`way` is up, down, or empty for what has no direction; `text` is what became of it."""
-        if way not in ("up", "down", ""):
-            raise ValueError(f"way is up, down or an empty text, not {way!r:.40}")
-        check.instance("piece", piece, Piece, type(None))
         with self.lock:
             last = self.kept[-1] if self.kept else None
             if last and not piece and not last.piece and (last.way, last.text) == (way, text):
@@ -110,15 +106,12 @@ class Arrows:
 
     def after(self, number: int, most: int) -> list[Arrow]:
         """The newest that came after this one, at most so many."""
-        check.count("number", number, least=0)
-        check.count("most", most, least=0)
         with self.lock:
             new = min(self.number - number, most, len(self.kept))
             return [self.kept[i] for i in range(len(self.kept) - new, len(self.kept))]
 
     def find(self, number: int) -> Arrow | None:
         """None if it has gone already."""
-        check.instance("number", number, int)
         with self.lock:
             place = number - self.number + len(self.kept) - 1
             return self.kept[place] if 0 <= place < len(self.kept) else None

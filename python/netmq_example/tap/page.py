@@ -19,7 +19,7 @@ from collections.abc import Awaitable, Callable
 
 from aiohttp import WSMsgType, web
 
-from netmq_example import arguments, check
+from netmq_example import arguments
 from netmq_example.json_text import shallow
 from netmq_example.tap.arrows import HTML, WHOLE_BYTES, Arrows, recording
 from netmq_example.tap.passing import Faults
@@ -38,11 +38,11 @@ class Page:
     """Shows the arrows, and passes on what somebody asks for to the faults."""
 
     def __init__(self, arrows: Arrows, faults: Faults, title: str, frame: str = "") -> None:
-        self.arrows: Arrows = check.instance("arrows", arrows, Arrows)
-        self.faults: Faults = check.instance("faults", faults, Faults)
-        self.title: str = check.instance("title", title, str)
+        self.arrows = arrows
+        self.faults = faults
+        self.title = title
         # Nobody's page, or that of one server here, may show this one in a frame.
-        self.frame = own_origin("frame", frame) if frame else "'none'"
+        self.frame = frame or "'none'"
 
     async def serve(self, listener: socket.socket) -> None:
         """Until it is cancelled."""
@@ -113,7 +113,7 @@ class Page:
 
 def own_origin(name: str, value: str) -> str:
     """A server of this machine, as a browser names it."""
-    if not re.fullmatch(r"http://(127\.0\.0\.1|localhost):\d{1,5}", check.instance(name, value, str), re.ASCII):
+    if not re.fullmatch(r"http://(127\.0\.0\.1|localhost):\d{1,5}", value, re.ASCII):
         raise ValueError(f"{name} is an origin of this machine, such as http://127.0.0.1:8000, not {value!r:.40}")
     return value
 

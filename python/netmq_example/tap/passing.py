@@ -16,7 +16,6 @@ import threading
 import time
 from dataclasses import dataclass, field
 
-from netmq_example import check
 from netmq_example.tap.arrows import Arrows
 from netmq_example.tap.zmtp import GREETING, NotZeroMQ, Piece, mechanism, socket_type, take
 
@@ -39,17 +38,6 @@ class Faults:
     slow: float = 0
     number: int = 0
     lock: threading.Lock = field(default_factory=threading.Lock)
-
-    def __post_init__(self) -> None:
-        check.seconds("slow", self.slow, zero=True)
-        if self.asked not in ("", *FAULTS):
-            raise ValueError(f"asked is one of {', '.join(FAULTS)}, or empty, not {self.asked!r:.40}")
-        if self.way not in ("", "up", "down"):
-            raise ValueError(f"way is up, down or empty, not {self.way!r:.40}")
-        for number, fault in check.instance("planned", self.planned, dict).items():
-            check.count("a planned message", number)
-            if fault not in FAULTS:
-                raise ValueError(f"a planned fault is one of {', '.join(FAULTS)}, not {fault!r:.40}")
 
     def ask(self, fault: str, way: str) -> None:
         """For the next message that goes this way. An empty fault takes the wish back."""
@@ -80,11 +68,6 @@ class Link:
     arrows: Arrows
     faults: Faults
     types: dict[str, str] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        check.count("number", self.number)
-        check.instance("arrows", self.arrows, Arrows)
-        check.instance("faults", self.faults, Faults)
 
     def run(self, client: socket.socket, host: str, port: int) -> None:
         with client:

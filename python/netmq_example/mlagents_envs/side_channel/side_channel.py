@@ -64,7 +64,6 @@ class Channel(ABC):
 
     def take(self, count: int) -> list[bytes]:
         """The oldest messages, which are then no longer queued."""
-        count = check.count("count", count, least=0)
         taken = self.message_queue[:count]
         self.message_queue = self.message_queue[count:]
         self.queued_bytes = sum(map(len, self.message_queue))

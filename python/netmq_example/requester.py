@@ -1,0 +1,111 @@
+"""The clients that ask have this in common: where their server is, how often they try, and a new socket for each try
+after one in vain.
+
+A connection of ZeroMQ's that was refused, or a REQ socket that waits for its reply, is no use for another try.
+"""
+
+import logging
+import math
+import threading
+import time
+from collections.abc import Callable
+from typing import Any
+
+import zmq
+
+from netmq_example import arguments, check
+from netmq_example.beacon import BeaconSearch
+from netmq_example.one_process import Keys, OneProcess
+from netmq_example.program import LARGEST_BYTES, Context, Socket, limit
+
+# The longest wait in one piece, in milliseconds: between two of them stop() is noticed and, on Windows, Ctrl-C.
+SLICE_MS = 50
+# Before a request is sent again after a wrong reply: without it, 5 tries are over in a millisecond.
+PAUSE_SECONDS = 0.25
+
+log = logging.getLogger("netmq_example.client")
+
+
+class Requester(OneProcess):
+    """Over one socket at a time. The first of its `tries` waits `timeout` seconds."""
+
+    # The largest frame of a reply, and whether frames are copied into bytes.
+    largest = LARGEST_BYTES
+    copies = True
+
+    def __init__(
+        self,
+        endpoint: str,
+        example: str,
+        timeout: float,
+        tries: int,
+        keys: Keys | None = None,
+        context: Context | None = None,
+        beacon: bool = True,
+    ) -> None:
+        self.endpoint = check.endpoint(endpoint, example, beacon=beacon)
+        self.search = BeaconSearch(endpoint)
+        self.timeout = check.seconds("timeout", timeout)
+        self.tries = check.count("tries", tries)
+        self.keys = arguments.keys(keys)
+        self.context: Context = arguments.context(context)
+        self.report: Callable[[str], object] = log.warning
+        self.socket: Any = None
+        self.stopped = threading.Event()
+
+    def prepared(self, kind: int) -> Socket:
+        """A new socket, which is not connected yet."""
+        socket = self.context.socket(kind)
+        limit(socket, self.largest)
+        if self.keys:
+            self.keys.apply(socket)
+        return socket
+
+    def connected(self, end: float) -> Any:
+        """zmq.Again if it is not known by then where the server is."""
+        if not self.socket:
+            while not (where := self.search.find(SLICE_MS / 1000)):
+                if self.stopped.is_set() or time.monotonic() > end:
+                    raise zmq.Again
+            self.socket = self.prepared(zmq.REQ)
+            self.socket.connect(where)
+        return self.socket
+
+    def exchange(self, request: list[bytes], end: float, until: Callable[[], float] = lambda: math.inf) -> list[Any]:
+        """One try: the frames that came back, if any, before either time of time.monotonic()."""
+        frames: list[Any] = []
+        try:
+            socket = self.connected(end)
+            # Without waiting: after a peer that broke the protocol there may be no connection to send on.
+            socket.send_multipart(request, zmq.NOBLOCK, copy=self.copies)
+            while (left := min(end, until()) - time.monotonic()) > 0 and not self.stopped.is_set():
+                if socket.poll(min(SLICE_MS, int(left * 1000) + 1)):
+                    break
+            frames = socket.recv_multipart(zmq.NOBLOCK, copy=self.copies)
+        except zmq.Again:
+            pass
+        finally:
+            # A REQ socket that waits for a reply refuses to send. A new one may, on a new connection.
+            if not self.is_reply(frames, request):
+                self.close_socket()
+        if not self.socket and time.monotonic() < min(end, until()):
+            self.stopped.wait(PAUSE_SECONDS)
+        return frames
+
+    def is_reply(self, frames: list[Any], request: list[bytes]) -> bool:
+        return bool(frames)
+
+    def close_socket(self) -> None:
+        if self.socket:
+            self.socket.close()
+        self.socket = None
+
+    def stop(self) -> None:
+        """On any thread: end the request under way, and every later one, by Closed."""
+        self.stopped.set()
+
+    def close(self) -> None:
+        """Close the socket, on the thread that asks. Twice is once."""
+        self.stop()
+        self.close_socket()
+        self.search.close()
