@@ -6,9 +6,9 @@ from collections import defaultdict
 
 import zmq
 
-from netmq_example.fleet import hub, members, pieces, trainers
+from netmq_example.fleet import hub, members, trainers
 from netmq_example.messages import Array, Message
-from netmq_example.wire import records
+from netmq_example.wire import records, trees
 from netmq_example.wire.records import ANSWERS, ASKS, RESET, SEEN, STEP, Record, Section
 from netmq_example.wire.sections import rewards
 
@@ -26,8 +26,7 @@ def state(*rows):
 
 def kinds(*agents, name="Pole", space=""):
     """The array in which a hello describes its kinds of agents. Their spaces the hub does not read."""
-    names = list(map(pieces.text, agents))
-    data = pieces.given({"kinds": [{"name": pieces.text(name), "agents": names, "observation": pieces.text(space)}]})
+    data = trees.write({"kinds": [{"name": name, "agents": [*agents], "observation": space}]})
     return Array("uint8", (len(data),), data)
 
 

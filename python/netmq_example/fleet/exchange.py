@@ -17,7 +17,7 @@ from typing import Any
 from netmq_example.fleet import pieces
 from netmq_example.fleet.members import Part
 from netmq_example.messages import MessageError
-from netmq_example.wire import records
+from netmq_example.wire import records, trees
 from netmq_example.wire.records import Record, Section
 from netmq_example.wire.sections import with_infos
 
@@ -211,7 +211,7 @@ def said_in(answer: Record) -> Section:
         info = pieces.taken(piece.infos) if piece.table else {}
         if not isinstance(info, dict) or "env" in info:
             raise MessageError("bad-info", "an info is a dict, in which the name env is the scene's own")
-        with_infos(piece, {0: pieces.given({**info, "env": pieces.taken(answer.said)})})
+        with_infos(piece, {0: trees.write({**info, "env": pieces.taken(answer.said)})})
     return piece
 
 

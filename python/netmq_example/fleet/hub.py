@@ -217,7 +217,7 @@ class Hub:
         if trainer.areas <= members - taken:
             try:
                 trainer.answer(offer(self.hellos[trainer.name], trainer.areas).frames())
-                trainer.agent = pieces.words_of(kinds_in(self.hellos[trainer.name])[0]["agents"][0])
+                trainer.agent = pieces.text_in(kinds_in(self.hellos[trainer.name])[0]["agents"][0])
                 trainer.admitted = True
             except MessageError as error:
                 trainer.refuse(error)

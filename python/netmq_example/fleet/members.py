@@ -17,7 +17,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from netmq_example.fleet import pieces
-from netmq_example.messages import Array, Message, MessageError
+from netmq_example.messages import Message, MessageError
+from netmq_example.wire import trees
 from netmq_example.wire.records import AUTORESET, ENDED, FORM, SIZES, Record
 
 # The hub is never silent for so long. See Member.
@@ -196,12 +197,12 @@ def size_of(request: Any) -> int:
 
 
 def kinds_in(hello: Message) -> list[dict[str, Any]]:
-    """As the hello has them: pieces.py says how."""
+    """As the hello has them."""
     tree = pieces.taken(hello.arrays[0].data) if hello.arrays else None
     kinds = tree.get("kinds") if isinstance(tree, dict) else None
     if not isinstance(kinds, list) or not all(isinstance(each, dict) and each.get("agents") for each in kinds):
         raise NotTaken("no-kinds", "a hello has one array, which says what kinds of agents there are")
-    if any(len(pieces.words_of(each.get("name"))) > LONGEST_NAME for each in kinds):
+    if any(len(pieces.text_in(each.get("name"))) > LONGEST_NAME for each in kinds):
         raise NotTaken("no-kinds", f"the name of an agent has at most {LONGEST_NAME} letters")
     return kinds
 
@@ -215,10 +216,9 @@ def offer(hello: Message, areas: int) -> Message:
     if agents > 1:
         cure = "take FleetSocket(…, 1) for an environment of these agents, and several of both"
         raise MessageError("several-agents", f"a scene of {agents} agents is no row of {areas}: {cure}")
-    name = pieces.words_of(kinds[0]["name"])
-    names = [pieces.text(f"{name}_{number}") for number in range(areas)]
-    tree = pieces.given({"kinds": [{**kinds[0], "agents": names, "at_most": pieces.whole(areas)}]})
-    return Message("hello", 0, hello.values, [Array("uint8", (len(tree),), tree)])
+    names = [f"{kinds[0]['name']}_{number}" for number in range(areas)]
+    tree = trees.write({"kinds": [{**kinds[0], "agents": names, "at_most": areas}]})
+    return Message("hello", 0, hello.values, [trees.array_of(tree)])
 
 
 def accept(hello: Message, build: str, hello_here: Message | None) -> None:

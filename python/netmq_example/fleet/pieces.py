@@ -1,31 +1,19 @@
-"""Rows of records and parts of values, cut and joined as bytes: what they mean, the hub does not need to know.
+"""Rows of records, cut and joined as bytes: what they mean, the hub does not need to know. And the few values it reads.
 
     one, other = cut(section)                       a section of one row for each row
     section = join(0, [one, other])                 the way back, of the answers of several simulators
-    value = taken(data)                             dicts and lists, and their leaves as they are
-    data = given({**value, "env": other})           the way back
 
-records.py and trees.py say how the bytes stand. It needs only Python.
+records.py says how the bytes stand. It needs numpy.
 """
 
-import math
 import struct
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
-from netmq_example.json_text import shallow
-from netmq_example.messages import DECODER, DTYPES, ENCODER, MessageError
+from netmq_example.messages import MessageError
+from netmq_example.wire import trees
 from netmq_example.wire.records import ASKS, ENDED, FORM, SEEN, SIZE, SIZES, WHO, Section
 from netmq_example.wire.sections import with_infos
-
-# How many bytes a number has. Arrays are float32[2,3].
-NUMBERS = {"null": 0, "bool": 1, "int64": 8, "float64": 8}
-REASONS = (ValueError, LookupError, TypeError, RecursionError, struct.error)
-
-
-class Leaf(NamedTuple):
-    form: Any
-    data: bytes
 
 
 def cut(section: Section) -> list[Section]:
@@ -71,69 +59,14 @@ def join(kind: int, pieces: Sequence[Section], who: Sequence[int] = ()) -> Secti
 
 
 def taken(data: Any) -> Any:
-    """A value; MessageError says that these bytes are none."""
+    """A value; MessageError says that these bytes are none, or need a package that this hub does not have."""
     try:
-        view = bytes(data)
-        end = SIZE.size + SIZE.unpack_from(view)[0]
-        value, at = parts(DECODER.decode(shallow(view[SIZE.size : end].decode())), view, end)
-        if at != len(view):
-            raise ValueError(f"it has {len(view)} bytes in place of {at}")
-    except REASONS as error:
-        raise MessageError("bad-tree", f"this is no value: {error!s:.80}") from None
-    return value
+        return trees.read(data)
+    except ImportError as error:
+        raise MessageError("bad-tree", f"the hub cannot read it: {error!s:.80}") from None
 
 
-def parts(form: Any, data: bytes, at: int) -> tuple[Any, int]:
-    """The part that begins there, and where the next one does."""
-    value: Any
-    if isinstance(form, list):
-        value = []
-        for each in form:
-            one, at = parts(each, data, at)
-            value.append(one)
-        return value, at
-    if isinstance(form, dict) and "dict" in form:
-        value = {}
-        for name, each in form["dict"].items():
-            value[name], at = parts(each, data, at)
-        return value, at
-    begin = at
-    if isinstance(form, dict) and "graph" in form:
-        _, at = parts(form["graph"], data, at)
-    elif form in ("text", "bytes") or isinstance(form, dict):
-        at += SIZE.size + SIZE.unpack_from(data, at)[0]
-    elif form in NUMBERS:
-        at += NUMBERS[form]
-    else:
-        dtype, _, shape = form.rstrip("]").partition("[")
-        at += DTYPES[dtype] * math.prod(map(int, filter(None, shape.split(","))))
-    return Leaf(form, data[begin:at]), at
-
-
-def given(value: Any) -> bytes:
-    numbers: list[bytes] = []
-    form = ENCODER.encode(form_of(value, numbers)).encode()
-    return b"".join([SIZE.pack(len(form)), form, *numbers])
-
-
-def form_of(value: Any, numbers: list[bytes]) -> Any:
-    if isinstance(value, Leaf):
-        numbers.append(value.data)
-        return value.form
-    if isinstance(value, dict):
-        return {"dict": {name: form_of(each, numbers) for name, each in value.items()}}
-    return [form_of(each, numbers) for each in value]
-
-
-def text(words: str) -> Leaf:
-    return Leaf("text", SIZE.pack(len(words.encode())) + words.encode())
-
-
-def whole(number: int) -> Leaf:
-    return Leaf("int64", struct.pack("<q", number))
-
-
-def words_of(leaf: Any) -> str:
-    if not isinstance(leaf, Leaf) or leaf.form != "text":
+def text_in(value: Any) -> str:
+    if not isinstance(value, str):
         raise MessageError("bad-tree", "a name is a text")
-    return leaf.data[SIZE.size :].decode()
+    return value

@@ -18,7 +18,8 @@ from typing import Any
 from netmq_example.fleet import pieces
 from netmq_example.fleet.exchange import Exchange, Playing
 from netmq_example.fleet.members import MOST_AREAS, Episode, Part, size_of
-from netmq_example.messages import Array, Message, MessageError
+from netmq_example.messages import Message, MessageError
+from netmq_example.wire import trees
 from netmq_example.wire.records import Record
 
 # An episode is kept, so that it can be played again, and so it must end.
@@ -113,14 +114,14 @@ class Trainer:
         tree = pieces.taken(request.arrays[0].data) if request.arrays else None
         if not isinstance(tree, list) or len(tree) != 2:
             raise MessageError("bad-info", "an info is a list: for whom it is, and what")
-        name, info = pieces.words_of(tree[0]), tree[1]
+        name = pieces.text_in(tree[0])
         if self.areas == 1 or not name:
-            return dict.fromkeys(range(self.areas), info_message(tree))
+            return dict.fromkeys(range(self.areas), Message("info", 0, {}, request.arrays))
         # To a trainer of several scenes their agents have numbers.
         number = name.rpartition("_")[2]
         if not number.isdecimal() or int(number) >= self.areas:
             raise MessageError("no-agent", f"no agent is named {name!a:.40}")
-        return {int(number): info_message([pieces.text(self.agent), info])}
+        return {int(number): Message("info", 0, {}, [trees.array_of(trees.write([self.agent, tree[1]]))])}
 
     def check(self, parts: dict[int, Any]) -> None:
         """MessageError before anything is begun: half a step would be none."""
@@ -216,11 +217,6 @@ class Trainer:
         self.episodes = [None] * self.areas
         self.size = 0
         self.left = set()
-
-
-def info_message(tree: list[Any]) -> Message:
-    data = pieces.given(tree)
-    return Message("info", 0, {}, [Array("uint8", (len(data),), data)])
 
 
 def begins(part: Any) -> bool:
