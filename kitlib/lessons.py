@@ -28,8 +28,6 @@ class KitError(Exception):
 
 
 class UsageError(KitError):
-    """A wrong word on the command line."""
-
     code = 2
 
 
@@ -133,7 +131,6 @@ class Lesson:
 
     @property
     def anywhere(self) -> str:
-        """An endpoint for its server, at a free port."""
         return f"{self.scheme}://127.0.0.1:0"
 
     @property
@@ -143,7 +140,6 @@ class Lesson:
 
 
 def lessons() -> list[Lesson]:
-    """Every lesson, in order."""
     servers = (ROOT / "python").glob("[0-9][0-9]_*/server.py")
     return sorted((Lesson(path.parent.name) for path in servers), key=lambda lesson: lesson.key)
 

@@ -111,7 +111,6 @@ class Program:
 
 
 def run_in_terminal(command: Sequence[str | Path], folder: Path = ROOT) -> int:
-    """Run one program in this terminal, whose Ctrl-C reaches it as well; returns its exit code."""
     process = Popen(command, cwd=folder, env={**os.environ, **READABLE})
     try:
         return wait(process, Path(command[1]).name)
@@ -204,7 +203,6 @@ def end(process: Popen[bytes], limit: float = GOODBYE) -> None:
 
 
 def signal_all(process: Popen[bytes], name: str) -> None:
-    """Signal a program of `spawn` and all that it started."""
     if sys.platform != "win32":
         with suppress(ProcessLookupError, PermissionError):
             os.killpg(process.pid, getattr(signal, name))

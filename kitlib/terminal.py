@@ -63,7 +63,6 @@ def nobody_reads() -> None:
 
 
 def say(text: str) -> None:
-    """One line of kit.py itself."""
     show("kit", text)
 
 

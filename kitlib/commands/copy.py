@@ -60,7 +60,6 @@ def do(options: argparse.Namespace) -> int:
 
 
 def programs(lesson: Lesson, folder: Path) -> tuple[dict[str, bytes], list[str]]:
-    """All of a lesson's programs, and what to know of them."""
     found = sorted(lesson.python.glob("*.py"))
     needs = python_setup.needs(lesson.key)
     others = [need for need in python_setup.imported(found) if need not in needs]
@@ -72,7 +71,6 @@ def programs(lesson: Lesson, folder: Path) -> tuple[dict[str, bytes], list[str]]
 
 
 def module(name: str) -> tuple[dict[str, bytes], list[str]]:
-    """A module of the package, or all of a folder of it."""
     file = imports.file_of(name, ROOT) if re.fullmatch(r"\w+(\.\w+)*", name) else None
     if not file:
         raise UsageError(f"there is no module {name}; {imports.PYTHON / imports.IMPORT_NAME} has them")

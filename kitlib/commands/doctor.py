@@ -24,7 +24,6 @@ Row = tuple[bool, str, str]
 
 
 def do(_: argparse.Namespace) -> int:
-    """Print the table, with the interpreter that the lessons use, if there is one."""
     # All of it first: what asks NuGet says so, and not in the middle of the table.
     for fine, what, finding in list(rows(python_setup.found())):
         mark = coloured("ok", "kit") if fine else coloured("--", "error")
@@ -69,7 +68,6 @@ def package_rows(python: Path) -> Iterator[Row]:
 
 
 def optional_rows(python: Path, lesson: Lesson) -> Iterator[Row]:
-    """The needs of a part of a lesson, such as a webcam's."""
     for part, needs in python_setup.large_extras(lesson).items():
         packages = [python_setup.name(need) for need in needs]
         missing = python_setup.not_found(python, packages)

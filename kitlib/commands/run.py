@@ -50,12 +50,10 @@ def add_folder(parser: argparse.ArgumentParser) -> None:
 
 
 def add_client(parser: argparse.ArgumentParser) -> None:
-    """Which client, and on what."""
     parser.add_argument("--client", choices=("csharp", "python", "unity"), help="csharp, if not said")
 
 
 def do(options: argparse.Namespace) -> int:
-    """Set up what the lesson needs, start the server, run the client against it, stop the server."""
     lesson = find(options.lesson)
     for_client, for_server = split(options.options, "--options"), split(options.server, "--server")
     if options.watch and lesson.scheme != "tcp":
@@ -72,7 +70,6 @@ def do(options: argparse.Namespace) -> int:
 
 
 def tap_command(lesson: Lesson, python: Path | str) -> list[str]:
-    """The words that start it, but for the servers that it stands in front of."""
     program, title = Lesson(EXTRA).python / "tap.py", f"Lesson {lesson.number:02}: {lesson.key[3:].replace('_', ' ')}"
     return [str(python), str(program), "--endpoint", "tcp://127.0.0.1:0", "--title", title]
 

@@ -27,7 +27,6 @@ HOUSE = "tests/house"
 
 
 def do(options: argparse.Namespace) -> int:
-    """Set up what the tests need, then run them."""
     lesson = lesson_of(options.words)
     check_paths(options.words[1:] if lesson else options.words)
     house = ["style"] if any(word.startswith(HOUSE) for word in options.words) else []

@@ -45,8 +45,6 @@ LIMIT = 500
 
 @dataclass(frozen=True)
 class Block:
-    """One fenced block of a page."""
-
     page: Path
     line: int
     kind: str
@@ -58,17 +56,14 @@ class Block:
 
     @property
     def where(self) -> str:
-        """The page and the line, for messages."""
         return f"{self.page.relative_to(ROOT).as_posix()}:{self.line}"
 
 
 def pages() -> list[Path]:
-    """The README and every page of the guide."""
     return [ROOT / "README.md", *sorted((ROOT / "docs" / "guide").glob("*.md"))]
 
 
 def blocks(page: Path) -> Iterator[Block]:
-    """The blocks of a page."""
     text = page.read_text(encoding="utf-8")
     for found in BLOCK.finditer(text):
         kind, _, source = (found["mark"] or "").partition(":")
@@ -158,7 +153,6 @@ def said(lines: Sequence[str], side: str) -> list[str]:
 
 
 def has_prefixes(lines: Sequence[str]) -> bool:
-    """True if a transcript shows both sides."""
     return any(line.startswith(tuple(f"{side} |" for side in SIDES)) for line in lines)
 
 
@@ -247,7 +241,6 @@ def rewrite(page: Path, bodies: Mapping[str, Callable[[Block], str]]) -> None:
 
 
 def main() -> int:
-    """Rewrite the pages of the command line, or all."""
     parser = argparse.ArgumentParser(description="Rewrites the excerpts and transcripts of the README and the guide.")
     parser.add_argument("pages", nargs="*", type=Path, metavar="PAGE", help="these pages alone")
     parser.add_argument("--excerpts", action="store_true", help="leave the transcripts, each of which takes a run")

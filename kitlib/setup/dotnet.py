@@ -104,7 +104,6 @@ def escaped(value: str | Path) -> str:
 
 
 def nuget_folder() -> Path:
-    """NuGet's store on this machine."""
     home = ENVIRONMENT.get("HOME") or Path.home()
     return Path(os.environ.get("NUGET_PACKAGES") or Path(home, ".nuget", "packages"))
 
@@ -243,7 +242,6 @@ def forget_old_lists() -> None:
 
 
 def changed_copy(path: Path) -> bool:
-    """Whether a script is named like one of the kit's, and is another one."""
     namesakes = [*PACKAGE.rglob(path.name)]
     return bool(namesakes) and all(path.read_bytes() != one.read_bytes() for one in namesakes)
 

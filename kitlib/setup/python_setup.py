@@ -40,7 +40,6 @@ ELSEWHERE |= dict.fromkeys(("PIP_USER", "PIP_DRY_RUN", "PIP_REQUIRE_HASHES"), "0
 
 @functools.cache
 def project() -> dict[str, Any]:
-    """The package, as pyproject.toml has it."""
     return dict(tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"])
 
 
@@ -75,12 +74,10 @@ def imported(files: Iterable[Path]) -> list[str]:
 
 
 def module(package: str) -> str:
-    """`zmq` of `pyzmq`: the name to import."""
     return IMPORTS.get(package, package.removeprefix("python-").replace("-", "_"))
 
 
 def all_extras() -> list[str]:
-    """Every extra that pyproject.toml names."""
     return list(project()["optional-dependencies"])
 
 
@@ -135,7 +132,6 @@ def lacking(python: Path | str, requirements: list[str]) -> list[str]:
 
 
 def has(python: Path | str, requirements: list[str]) -> bool:
-    """True if this interpreter is recent enough and has every package, in a version that fits."""
     return not lacking(python, requirements)
 
 

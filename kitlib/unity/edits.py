@@ -49,7 +49,6 @@ def reversed_(edits: Iterable[Edit]) -> list[Edit]:
 
 
 def difference(old: bytes, new: bytes) -> list[Edit]:
-    """One edit that makes the one of the other."""
     before, after = decoded(old), decoded(new)
     if before == after:
         return []

@@ -92,7 +92,6 @@ class Inventory:
 
 
 def lock(root: Path) -> dict[str, Any]:
-    """The packages that Unity has resolved, also those that others bring along."""
     return read_json(root / "Packages" / "packages-lock.json").get("dependencies") or {}
 
 
@@ -129,7 +128,6 @@ def unity_version(root: Path) -> tuple[int, int]:
 
 
 def dependencies(root: Path) -> dict[str, str]:
-    """The packages that the project names, with their versions."""
     path = root / "Packages" / "manifest.json"
     if not path.exists():
         return {}
@@ -164,7 +162,6 @@ def by_name(root: Path, packages: dict[str, str]) -> Iterator[Copy]:
 
 
 def nuget(path: Path) -> dict[str, str]:
-    """The packages of a packages.config, in lower case, with their versions."""
     text = path.read_text(encoding="utf-8", errors="replace") if path.exists() else ""
     entries = [dict(re.findall(r'(\w+)="([^"]*)"', entry)) for entry in re.findall(r"<package\s[^>]*", text)]
     return {entry["id"].lower(): entry.get("version", "") for entry in entries if "id" in entry}

@@ -24,7 +24,6 @@ IMPORT_SETTINGS = Path(__file__).with_name("dll.meta.txt")
 
 
 def notices() -> dict[str, bytes]:
-    """The licences, which go where the files go."""
     found: dict[str, bytes] = {}
     for source, name in (("LICENSE", "LICENSE.md"), ("THIRD-PARTY-NOTICES.md", "THIRD-PARTY-NOTICES.md")):
         found[f"{TARGET}/{name}"] = (ROOT / source).read_bytes()

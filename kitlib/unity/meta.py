@@ -20,7 +20,6 @@ IGNORED = re.compile(r"^\.|~$|\.meta$|^Plugins$")
 
 
 def guid(path: str) -> str:
-    """The GUID of an asset, from its path in this package."""
     return hashlib.md5(f"NetMQExample/{path}".encode(), usedforsecurity=False).hexdigest()
 
 

@@ -42,8 +42,6 @@ class Note(NamedTuple):
 
 
 class Found(NamedTuple):
-    """Of one file."""
-
     edits: list[Edit]
     notes: list[Note]
     # The components that are found again, each with how many of it.
@@ -165,7 +163,6 @@ def models(text: str, code: str, usings: set[str]) -> Iterator[Edit]:
 
 
 def yaml(text: str, ours: dict[str, str]) -> Found:
-    """A scene, prefab or asset."""
     edits: list[Edit] = []
     notes: list[Note] = []
     components: Counter[str] = Counter()

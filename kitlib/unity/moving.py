@@ -72,7 +72,6 @@ class Plan:
             self.lines.append(f"{MANIFEST}: without {', '.join(sorted(self.packages.removed))}{kept}")
 
     def scripts_after(self, texts: dict[str, str]) -> dict[str, str]:
-        """The code of the scripts, as it will be."""
         return {
             name: ml_agents.without_quiet(decoded(applied((self.root / name).read_bytes(), self.edits.get(name, []))))
             for name in texts
@@ -90,7 +89,6 @@ class Plan:
             self.left.append(f"{name}:{line}: {note.text}")
 
     def other(self, name: str) -> None:
-        """A scene, an asset or an assembly definition."""
         path = self.root / name
         if name.endswith(SCENES):
             data = path.read_bytes()
@@ -137,11 +135,9 @@ class Plan:
         say(f"changed {len(entries)} files; `{KIT} unity PATH --from {ML_AGENTS} --undo` takes it back")
 
     def files(self) -> list[str]:
-        """All that would change."""
         return [*self.edits, *([MANIFEST] if self.packages.removed else [])]
 
     def inventory(self) -> Inventory:
-        """The packages and DLLs that the project will have."""
         return Inventory(self.root, self.packages.removed, self.packages.kept.keys())
 
     def refusal(self) -> str:

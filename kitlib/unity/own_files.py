@@ -55,7 +55,6 @@ def walk(root: Path, top: str) -> Iterator[str]:
 
 
 def ignored(name: str) -> bool:
-    """By Unity."""
     return name.startswith(".") or name.endswith("~")
 
 

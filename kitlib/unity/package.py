@@ -39,7 +39,6 @@ def write_package(path: Path, lesson: str | None, force: bool, scripts_only: boo
 
 
 def entries(files: dict[str, bytes]) -> dict[str, bytes]:
-    """The entries of the tar, made of the files of a project and their .meta files."""
     found: dict[str, bytes] = {}
     for name in sorted(files):
         if not name.endswith(".meta"):

@@ -98,7 +98,6 @@ def code(script: Path) -> str:
 
 
 def plain_code(script: Path) -> str:
-    """A script as the compiler sees it without Unity."""
     return re.sub(r"#if UNITY_.*?#endif", "", code(script), flags=re.DOTALL)
 
 

@@ -8,8 +8,10 @@ from typing import Any
 
 import zmq
 
+from netmq_example import check
 from netmq_example.errors import Timeout
-from netmq_example.program import SLICE_MS
+from netmq_example.messages import LIMIT
+from netmq_example.program import SLICE_MS, cannot_listen, limit
 
 # For a connection, and then for the answer to hello: so long waits the first try.
 TRY_SECONDS = 1.0
@@ -35,6 +37,23 @@ def connect_once(socket: zmq.Socket[Any], endpoint: str, wait: float, stop: thre
                 raise (ConnectionRefusedError if refused.poll(0) else Timeout)(NO_CONNECTION)
         finally:
             socket.disable_monitor()
+
+
+def bound(endpoint: str, example: str, cure: str, context: zmq.Context[Any] | None = None) -> zmq.Socket[bytes]:
+    """A ROUTER socket that listens there, in a context of its own unless one is given. ListenError: it cannot."""
+    check.endpoint(endpoint, example, lowest_port=0)
+    own = context or zmq.Context()
+    socket = own.socket(zmq.ROUTER)
+    limit(socket, 4 * LIMIT)
+    socket.rcvtimeo = SLICE_MS
+    try:
+        socket.bind(endpoint)
+    except zmq.ZMQError as error:
+        socket.close()
+        if not context:
+            own.destroy()
+        raise cannot_listen(endpoint, error, cure) from None
+    return socket
 
 
 def sent(socket: Any, peer: bytes, frames: list[Any]) -> bool:

@@ -80,7 +80,6 @@ class PosePublisher:
 
 
 def added(checksum: int, message: str) -> int:
-    """The checksum after one more message."""
     return (31 * checksum + sum(message.encode())) % 2**32
 
 
@@ -217,7 +216,6 @@ class PoseSubscriber(OneProcess):
         self.stream.connect(self.endpoint)
 
     def ask(self, timeout: float) -> tuple[int, Pose]:
-        """A snapshot from the publisher: checksum and pose."""
         end = time.monotonic() + timeout
         wait = 1.0
         while (left := end - time.monotonic()) > 0:

@@ -54,7 +54,6 @@ class Requester(OneProcess):
         self.stopped = threading.Event()
 
     def prepared(self, kind: int) -> Socket:
-        """A new socket, which is not connected yet."""
         socket = self.context.socket(kind)
         limit(socket, self.largest)
         if self.keys:

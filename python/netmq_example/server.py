@@ -208,7 +208,6 @@ class Server(OneProcess):
             self.send(way, [reply.encode()])
 
     def made(self, answer: Any, body: list[Any]) -> list[Any]:
-        """The frames of the reply."""
         return message_reply(answer, body)[2] if self.messages else [reply_to(answer, body[0])]
 
     def refusal(self, code: str, text: str) -> list[Any]:

@@ -33,7 +33,6 @@ def ends_program(error: BaseException) -> bool:
 
 
 def shown(error: BaseException) -> str:
-    """Its repr, if it has one."""
     try:
         return repr(error)
     except Exception:
@@ -110,7 +109,6 @@ def unknown_host(endpoint: str) -> str:
 
 
 def tried(count: int) -> str:
-    """How often, in words."""
     return "1 try" if count == 1 else f"{count} tries"
 
 

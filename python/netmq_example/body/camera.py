@@ -106,7 +106,6 @@ def with_cure(error: Exception, cure: str) -> str:
 
 
 def landmarker(mediapipe: Any, kind: str, model: Path, **options: int) -> Any:
-    """MediaPipe's PoseLandmarker or HandLandmarker."""
     vision = mediapipe.tasks.vision
     base = mediapipe.tasks.BaseOptions(model_asset_path=str(model))
     made = getattr(vision, f"{kind}LandmarkerOptions")(

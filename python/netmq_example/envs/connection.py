@@ -157,7 +157,6 @@ def check_release(hello: Message) -> None:
 
 
 def name_of(request: Any) -> str:
-    """As a person calls it."""
     if isinstance(request, Record):
         if request.bits & records.SCENE_CLOCK:
             return "reset" if request.bits & records.ANEW else "step"

@@ -136,7 +136,6 @@ def dtype_of(form: bytes) -> Any:
 
 
 def dtype_in(parsed: Any, length: int) -> Any:
-    """`length` is that of the form."""
     parts = parsed.get("dict") if isinstance(parsed, dict) and len(parsed) == 1 else None
     if not isinstance(parts, dict) or not parts or not OWN.isdisjoint(parts):
         return None

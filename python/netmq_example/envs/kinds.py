@@ -101,7 +101,6 @@ def read_hello(hello: Message, name: str) -> SceneHello:
 
 
 def named(hello: Message, name: str) -> None:
-    """MessageError: it is another scene."""
     found = take(hello.values, "name", str)
     if found != name:
         raise MessageError("wrong-name", f"this environment is {name}, the simulator's is {found!a:.40}")

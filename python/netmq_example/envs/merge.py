@@ -79,7 +79,6 @@ def part_of(whole: Any, step: Step) -> Any:
 
 
 def placed(old: Any, path: Path, value: Any, first: bool) -> Any:
-    """A copy of what is there, with the value at the end of the path."""
     if not path:
         return like(old, value)
     step = path[0]
@@ -116,7 +115,6 @@ def one_more(old: Any, value: Any, first: bool) -> Any:
 
 
 def like(old: Any, value: Any) -> Any:
-    """The value, as what is there."""
     if isinstance(old, NUMBERS):
         array = cast(np.asarray(old), value)
         if isinstance(old, np.ndarray):

@@ -45,8 +45,6 @@ def all_seen(section: Section, count: int) -> bool:
 
 
 class Rows:
-    """Observations that are in a space which both sides know."""
-
     def __init__(self, space: Space[Any], count: int) -> None:
         self.space = space
         self.count = count

@@ -110,17 +110,11 @@ class Plain:
         return (action.reshape(shape) + getattr(done, "start", 0)).astype(done.dtype)[()]
 
 
-def is_plain(space: Space[Any]) -> bool:
-    match space:
-        case spaces.Box():
-            return len(space.shape) > 0
-        case spaces.Discrete():
-            return bool(space.start == 0)
-        case spaces.MultiDiscrete():
-            return space.nvec.ndim == 1 and not space.start.any()
-        case spaces.MultiBinary():
-            return len(space.shape) == 1
-    return False
+def is_plain(space: Any) -> bool:
+    if isinstance(space, spaces.Box):
+        return len(space.shape) > 0
+    dimensions = 0 if isinstance(space, spaces.Discrete) else 1
+    return isinstance(space, CHOICES) and len(space.shape) == dimensions and not np.any(getattr(space, "start", 0))
 
 
 def plain_array(space: Any) -> Any:
@@ -178,10 +172,8 @@ def room_for(part: Any) -> Any:
             shape = (MOST_ITEMS, *part.shape)
             low, high = (np.broadcast_to(limit, shape) for limit in (part.low, part.high))
             return spaces.Box(np.minimum(0, low), np.maximum(0, high), dtype=part.dtype.type)
-        case spaces.Discrete():
-            return spaces.MultiDiscrete([part.n] * MOST_ITEMS)
-        case spaces.MultiDiscrete():
-            return spaces.MultiDiscrete(np.tile(part.nvec, MOST_ITEMS))
+        case spaces.Discrete() | spaces.MultiDiscrete():
+            return spaces.MultiDiscrete(np.tile(part.n if isinstance(part, spaces.Discrete) else part.nvec, MOST_ITEMS))
     return spaces.MultiBinary(MOST_ITEMS * part.shape[0])
 
 

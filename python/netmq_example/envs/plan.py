@@ -115,8 +115,6 @@ class Sight:
 
 
 class Plan:
-    """Reads what comes in its order, and then puts it in its places."""
-
     def __init__(self, steps: list[Reader], places: Any) -> None:
         self.steps = steps
         # The number of a step, or a dict of places by key, or None: it stays as it was.

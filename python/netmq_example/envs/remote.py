@@ -179,7 +179,6 @@ def refused_reset(env: Any) -> Any:
 
 
 def info_in(data: Any) -> dict[str, Any]:
-    """A simulator's info of one agent."""
     info = trees.read(data) if len(data) else {}
     if type(info) is not dict:
         raise MessageError("bad-info", f"an info is a dict, not {info!a:.40}")
@@ -198,7 +197,6 @@ def mask_of(value: Any) -> Any:
 
 
 def scene_infos(said: Any) -> list[Any]:
-    """The scene's own infos, in the head of an answer."""
     infos = trees.read(said) if len(said) else []
     if type(infos) is not list:
         raise MessageError("bad-info", f"the infos of a scene are a list, not {infos!a:.40}")

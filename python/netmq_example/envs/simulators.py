@@ -17,14 +17,13 @@ from typing import Any
 
 import zmq
 
-from netmq_example import check
+from netmq_example import check, one_connection
 from netmq_example.envs.common import OtherSide, no_others
 from netmq_example.envs.connection import Accept, Connection
 from netmq_example.errors import Lost, Timeout
 from netmq_example.finalizers import finalizer
 from netmq_example.launch import END_SECONDS, QUIET, end_program, program, say_waiting, start_program, why_ended
-from netmq_example.messages import LIMIT, Message, MessageError
-from netmq_example.program import cannot_listen, limit
+from netmq_example.messages import Message, MessageError
 
 ENDPOINT = "tcp://127.0.0.1:5559"
 FREE_PORT = "tcp://127.0.0.1:*"
@@ -144,20 +143,8 @@ class Simulators:
 
 
 def bound(endpoint: str, given: zmq.Context[Any] | None = None) -> zmq.Socket[bytes]:
-    """A ROUTER socket that listens there, in a context of its own unless one is given."""
-    check.endpoint(endpoint, ENDPOINT, lowest_port=0)
-    context = given or zmq.Context()
-    socket = context.socket(zmq.ROUTER)
-    limit(socket, 4 * LIMIT)
+    cure = f"close() the environment that has it, or give this one its own endpoint, such as {FREE_PORT}"
+    socket = one_connection.bound(endpoint, ENDPOINT, cure, given)
     # Milliseconds at its end for what it has sent last, such as why it refused a simulator.
     socket.linger = 500
-    socket.rcvtimeo = 200
-    try:
-        socket.bind(endpoint)
-    except zmq.ZMQError as error:
-        socket.close()
-        if not given:
-            context.destroy()
-        cure = f"close() the environment that has it, or give this one its own endpoint, such as {FREE_PORT}"
-        raise cannot_listen(endpoint, error, cure) from None
     return socket

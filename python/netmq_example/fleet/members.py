@@ -185,7 +185,6 @@ class NotTaken(MessageError):
 
 
 def values_in(answer: Record) -> list[Any]:
-    """What is seen now."""
     return [section.values for section in answer.sections if not section.columns & ENDED]
 
 
@@ -197,7 +196,6 @@ def size_of(request: Any) -> int:
 
 
 def kinds_in(hello: Message) -> list[dict[str, Any]]:
-    """As the hello has them."""
     tree = pieces.taken(hello.arrays[0].data) if hello.arrays else None
     kinds = tree.get("kinds") if isinstance(tree, dict) else None
     if not isinstance(kinds, list) or not all(isinstance(each, dict) and each.get("agents") for each in kinds):

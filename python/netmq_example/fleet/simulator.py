@@ -13,8 +13,6 @@ from netmq_example.scene.simulator import SimulatorBase, SimulatorDecorator
 
 
 class FleetSimulator(SimulatorDecorator):
-    """Around any simulator."""
-
     def __init__(self, simulator: SimulatorBase, *, build: str = "1") -> None:
         super().__init__(simulator)
         self.build: str = check.instance("build", build, str)

@@ -145,7 +145,6 @@ class Trainer:
         return size
 
     def under_way(self) -> list[Episode]:
-        """Those whose answers are still to come."""
         return [episode for area in self.left if (episode := self.episodes[area])]
 
     def ready(self, area: int) -> None:

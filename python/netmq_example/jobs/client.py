@@ -47,7 +47,6 @@ SLICE_MS = 20
 
 
 def job_id(name: str, value: Any) -> str:
-    """A job's id."""
     if isinstance(value, str) and re.fullmatch("[0-9A-Za-z][0-9A-Za-z-]{0,63}", value):
         return value
     raise ValueError(f"{name} takes the id of a job, 1 to 64 letters, digits or -, not {value!r:.40}")

@@ -65,7 +65,6 @@ class Job:
 
     @property
     def begun(self) -> bool:
-        """It may have done something."""
         return self.news.kind != "accepted" or self.news.values["position"] == 0
 
     def canceling(self) -> Message:

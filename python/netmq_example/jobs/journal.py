@@ -127,7 +127,6 @@ class Journal:
         return self.write("UPDATE jobs SET news = ?, data = ?, ended = ? WHERE id = ?", rows)
 
     def find(self, job: str) -> tuple[Message, Message] | None:
-        """Its goal and the newest message about it."""
         found = self.db.execute(f"{ENTRY} WHERE id = ?", (job,)).fetchone()
         return entry(*found) if found else None
 

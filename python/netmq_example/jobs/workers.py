@@ -98,7 +98,6 @@ def tell(pipe: Connection, message: Message) -> None:
 
 
 def perform(pipe: Connection, goal: Message, kind: Kind, cancel: threading.Event) -> Message:
-    """Does the job, and returns its result."""
     facts = goal.values
     checkpoint = goal.arrays[0] if goal.arrays else None
     finished = bytes(checkpoint.data) if checkpoint else b""
@@ -126,7 +125,6 @@ def perform(pipe: Connection, goal: Message, kind: Kind, cancel: threading.Event
 
 
 def about(goal: Message, step: Step, kind: str, **more: str) -> Message:
-    """A message that says how far the job is."""
     values = {"job": goal.values["job"], "done": step.done, "total": step.total, "text": step.text}
     return Message(kind, values=values | more, arrays=[step.checkpoint] if step.checkpoint else [])
 
@@ -160,8 +158,6 @@ def check_kinds(kinds: dict[str, Kind]) -> dict[str, Kind]:
 
 
 class Worker:
-    """A process, and the pipe to it."""
-
     def __init__(self, kinds: dict[str, Kind]) -> None:
         self.pipe, theirs = SPAWN.Pipe()
         self.process = SPAWN.Process(target=run_worker, args=(theirs, kinds), daemon=True)
@@ -262,7 +258,6 @@ class Workers:
                 worker.process.kill()
 
     def listen(self, worker: Worker) -> None:
-        """A thread for each process."""
         message: Message | None = Message("")
         while message:
             try:

@@ -59,7 +59,6 @@ class Reader:
         self.take(BLANK)
 
     def sign(self, sign: str) -> bool:
-        """Goes past this sign, if it stands next, after blanks."""
         self.skip_blanks()
         if not self.text.startswith(sign, self.at):
             return False
@@ -67,7 +66,6 @@ class Reader:
         return True
 
     def expect(self, sign: str, expected: str) -> None:
-        """Goes past this sign, which must stand next."""
         if not self.sign(sign):
             self.fail(expected)
 
@@ -175,7 +173,6 @@ UNSEEN = re.compile(
 
 
 def quoted(text: str) -> str:
-    """A name as it stands in a canonical text."""
     return "'" + UNSEEN.sub(lambda m: "\\" + m[0] if m[0] in "\\'" else f"\\u{ord(m[0]):04x}", text) + "'"
 
 

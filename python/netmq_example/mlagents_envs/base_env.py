@@ -246,7 +246,6 @@ class TerminalSteps(Steps):
 
 
 def unseen(spec: BehaviorSpec) -> list[Any]:
-    """Observations of no agent."""
     return [np.zeros((0, *one.shape), np.float32) for one in spec.observation_specs]
 
 

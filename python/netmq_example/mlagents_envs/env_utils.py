@@ -38,7 +38,6 @@ def validate_environment_path(env_path: str) -> str | None:
 
 
 def launch_words(file_name: str) -> list[str]:
-    """A build's program, or Python and a script of it."""
     if file_name.endswith(".py") and os.path.isfile(file_name):
         return [sys.executable, os.path.abspath(file_name)]
     program = validate_environment_path(file_name)

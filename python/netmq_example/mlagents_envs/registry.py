@@ -26,7 +26,6 @@ class LocalRegistryEntry:
     additional_args: tuple[str, ...] = ()
 
     def make(self, **kwargs: Any) -> Any:
-        """A UnityEnvironment by these words, but for file_name."""
         from netmq_example.mlagents_envs.environment import UnityEnvironment
 
         words = [*(kwargs.pop("additional_args", None) or ()), *self.additional_args]

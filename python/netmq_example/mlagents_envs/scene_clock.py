@@ -177,13 +177,11 @@ def frozen(array: Any) -> Any:
 # Each step has these, and numpy is slow right after a wait.
 @functools.cache
 def no_groups(count: int) -> tuple[Any, Any]:
-    """Groups, and their rewards."""
     return frozen(np.zeros(count, np.int32)), frozen(np.zeros(count, np.float32))
 
 
 @functools.cache
 def all_allowed(count: int, branches: tuple[int, ...]) -> list[Any]:
-    """The masks of so many agents, where nothing is masked."""
     return branches_of(frozen(np.zeros((count, sum(branches)), bool)), branches)
 
 
@@ -194,7 +192,6 @@ def branches_of(block: Any, branches: tuple[int, ...]) -> list[Any]:
 
 
 def as_picture(part: Any) -> Any:
-    """Bytes as numbers from 0 to 1."""
     return np.true_divide(part, np.float32(255), dtype=np.float32, order="C")
 
 

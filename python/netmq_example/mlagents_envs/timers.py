@@ -35,7 +35,6 @@ class TimerNode:
     is_parallel: bool = False
 
     def merge(self, other: "TimerNode", root_name: str, is_parallel: bool = True) -> None:
-        """Adds another tree, below this name."""
         node = self.children.setdefault(root_name, TimerNode())
         node.total += other.total
         node.count += other.count
@@ -87,7 +86,6 @@ def hierarchical_timer(name: str) -> Iterator[TimerNode]:
 
 
 def timed(func: Callable[P, T]) -> Callable[P, T]:
-    """Adds the time of each call of this function, by its name."""
 
     @functools.wraps(func)
     def call(*args: P.args, **words: P.kwargs) -> T:

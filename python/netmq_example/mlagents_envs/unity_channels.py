@@ -181,8 +181,6 @@ class EnvironmentParameters(EnvironmentParametersChannel):
 
 
 class StatsRecorder(StatsSideChannel):
-    """Sends what the trainer is to show."""
-
     def on_message_received(self, msg: IncomingMessage) -> None:
         raise UnitySideChannelException("statistics came from Python, which is to receive them")
 

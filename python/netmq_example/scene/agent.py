@@ -153,7 +153,6 @@ def over(agent: Agent) -> bool:
 
 
 def marked(kind: type[Agent]) -> list[tuple[str, Obs]]:
-    """The fields that are seen."""
     hints = get_type_hints(kind, include_extras=True)
     marks = [(field, mark) for field, hint in hints.items() for mark in getattr(hint, "__metadata__", ())]
     return [(field, mark) for field, mark in marks if isinstance(mark, Obs)]

@@ -8,8 +8,6 @@ from netmq_example.scene.agent import Agent, Obs
 
 @dataclass(frozen=True)
 class Seen:
-    """A field, and the places of its value."""
-
     field: str
     locator: Locator
 

@@ -48,7 +48,6 @@ class Kind:
         return not self.begun[row] or self.told[row]
 
     def described(self) -> dict[str, Any]:
-        """As the hello has it."""
         spaces = [one and described(one.space) for one in (self.observation, self.action)]
         return {
             "name": self.name,
@@ -88,7 +87,6 @@ class Kind:
         return [None if row is None else next(each) for row in rows]
 
     def seen(self, agents: list[Agent]) -> list[bytes]:
-        """Observations of agents in code, as bytes."""
         if self.observation is None:
             return [trees.write_pairs([("@ = $", agent.observe())]) for agent in agents]
         codec = self.observation.codec

@@ -16,8 +16,6 @@ from netmq_example.wire.records import Record
 
 
 class SideChannelSimulator(SimulatorDecorator):
-    """Around any simulator."""
-
     def __init__(self, simulator: SimulatorBase, manager: SideChannelManager) -> None:
         super().__init__(simulator)
         self.manager = check.instance("manager", manager, SideChannelManager)

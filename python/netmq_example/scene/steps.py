@@ -21,8 +21,6 @@ MOST_ROUNDS = 100
 
 
 class Asked:
-    """What is asked of one kind."""
-
     def __init__(self, kind: Kind, section: Section) -> None:
         self.kind = kind
         self.orders = section.marks
@@ -55,7 +53,6 @@ class Steps:
         return all(over(agent) for agent in self.moving())
 
     def moving(self) -> list[Agent]:
-        """Those in an episode."""
         return [
             agent
             for one in self.asked

@@ -198,7 +198,6 @@ def checked_name(name: Any) -> str:
 
 
 def done(verb: str, words: list[str], folder: Path) -> str:
-    """Do what the command line asks for, and say what was done."""
     if verb == "list":
         lines = [f"{path.stem}: {key_in(path) or 'no key in it'}" for path in listed(folder)]
         return "\n".join(lines) or "nobody may come in"

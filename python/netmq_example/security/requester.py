@@ -51,7 +51,6 @@ class ClientKeys:
 
 
 def client_keys(text: str) -> ClientKeys:
-    """The type of an option: a folder with keys."""
     return option(lambda _, folder: ClientKeys(folder), text, str)
 
 

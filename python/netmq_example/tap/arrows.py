@@ -111,14 +111,12 @@ class Arrows:
             return [self.kept[i] for i in range(len(self.kept) - new, len(self.kept))]
 
     def find(self, number: int) -> Arrow | None:
-        """None if it has gone already."""
         with self.lock:
             place = number - self.number + len(self.kept) - 1
             return self.kept[place] if 0 <= place < len(self.kept) else None
 
 
 def recording(arrows: Arrows, title: str) -> str:
-    """The HTML of a page that shows these arrows again."""
     kept = [each.as_json(WHOLE_BYTES) for each in arrows.after(0, arrows.number)]
     data = json.dumps({"title": title, "totals": arrows.totals, "arrows": kept}).encode()
     packed = base64.b64encode(gzip.compress(data, mtime=0)).decode()

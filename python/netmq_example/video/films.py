@@ -245,7 +245,6 @@ class Films(OneProcess):
             self.answer(message.id)
 
     def answer(self, id: int, error: Exception | None = None) -> None:
-        """The call that waits for this answer goes on."""
         waiter = self.waiting.pop(id, None)
         if waiter is None:
             return

@@ -16,9 +16,8 @@ from typing import Any
 
 import zmq
 
-from netmq_example import check
+from netmq_example import check, one_connection
 from netmq_example.messages import LIMIT, Message, MessageError, take
-from netmq_example.program import cannot_listen, limit
 
 ENDPOINT = "tcp://127.0.0.1:5562"
 # After so much silence it is asked whether it is there.
@@ -37,18 +36,8 @@ def side(name: str, value: Any) -> int:
 
 
 def bound(endpoint: str) -> zmq.Socket[bytes]:
-    """A socket that listens, in a context of its own. ValueError or ListenError says why it cannot."""
-    check.endpoint(endpoint, ENDPOINT, lowest_port=0)
-    socket = zmq.Context().socket(zmq.ROUTER)
-    limit(socket, 4 * LIMIT)
-    socket.rcvtimeo = 200
-    try:
-        socket.bind(endpoint)
-    except zmq.ZMQError as error:
-        socket.context.destroy()
-        cure = "close() the Films that have it, or end the other program, or take another port here and in the game"
-        raise cannot_listen(endpoint, error, cure) from None
-    return socket
+    cure = "close() the Films that have it, or end the other program, or take another port here and in the game"
+    return one_connection.bound(endpoint, ENDPOINT, cure)
 
 
 class Game:
