@@ -20,11 +20,14 @@ sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
 from netmq_example.asking import positive_seconds
-from netmq_example.fleet.board import Board
-from netmq_example.fleet.hub import Hub
+from netmq_example.extras import importing
 from netmq_example.messages import LIMIT
 from netmq_example.program import Context, Socket, listening, run, server_options
 from netmq_example.security.allow_list import keys_for
+
+with importing("numpy: pip install numpy, or let kit.py run 17 do it"):
+    from netmq_example.fleet.board import Board
+    from netmq_example.fleet.hub import Hub
 
 # By kit.py run: with these there are three simulators, one of which dies, and a trainer.
 RUN = {"also": ["client.py", "client.py --crash-after 200", "train.py --areas 2 --episodes 100"]}

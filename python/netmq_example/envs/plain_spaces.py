@@ -114,7 +114,9 @@ def is_plain(space: Any) -> bool:
     if isinstance(space, spaces.Box):
         return len(space.shape) > 0
     dimensions = 0 if isinstance(space, spaces.Discrete) else 1
-    return isinstance(space, CHOICES) and len(space.shape) == dimensions and not np.any(getattr(space, "start", 0))
+    return (
+        isinstance(space, CHOICES) and len(space.shape or ()) == dimensions and not np.any(getattr(space, "start", 0))
+    )
 
 
 def plain_array(space: Any) -> Any:
