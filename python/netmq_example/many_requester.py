@@ -24,7 +24,7 @@ from netmq_example.former import positional
 from netmq_example.lazy_pirate import refused
 from netmq_example.one_process import Keys, one_at_a_time
 from netmq_example.program import LARGEST_BYTES, Context, text_of
-from netmq_example.requester import Requester
+from netmq_example.requester import Client
 from netmq_example.trouble import cure, longer, tried
 
 # The deadlines are checked this often. Shorter would cost more. Longer, and Ctrl-C would have to wait on Windows.
@@ -56,7 +56,7 @@ class Pending:
     sent: float = 0
 
 
-class ManyRequester(Requester):
+class ManyRequester(Client):
     """Keeps up to `window` requests under way over one DEALER socket at a time. Use it on one thread."""
 
     @positional("context", "endpoint", "window", "timeout", "tries", "report")

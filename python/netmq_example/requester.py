@@ -26,12 +26,11 @@ PAUSE_SECONDS = 0.25
 log = logging.getLogger("netmq_example.client")
 
 
-class Requester(OneProcess):
-    """Over one socket at a time. The first of its `tries` waits `timeout` seconds."""
+class Client(OneProcess):
+    """Where its server is, how often it tries and how long at first, and its keys."""
 
-    # The largest frame of a reply, and whether frames are copied into bytes.
+    # Of a reply, in bytes.
     largest = LARGEST_BYTES
-    copies = True
 
     def __init__(
         self,
@@ -51,7 +50,6 @@ class Requester(OneProcess):
         self.context: Context = arguments.context(context)
         self.report: Callable[[str], object] = log.warning
         self.socket: Any = None
-        self.stopped = threading.Event()
 
     def prepared(self, kind: int) -> Socket:
         socket = self.context.socket(kind)
@@ -59,6 +57,27 @@ class Requester(OneProcess):
         if self.keys:
             self.keys.apply(socket)
         return socket
+
+    def close_socket(self) -> None:
+        if self.socket:
+            self.socket.close()
+        self.socket = None
+
+    def close(self) -> None:
+        """Close the socket, on the thread that asks. Twice is once."""
+        self.close_socket()
+        self.search.close()
+
+
+class Requester(Client):
+    """Asks over one REQ socket at a time, on any thread, but on one at a time; stop() at any time."""
+
+    # Whether frames are copied into bytes.
+    copies = True
+
+    def __init__(self, *given: Any) -> None:
+        super().__init__(*given)
+        self.stopped = threading.Event()
 
     def connected(self, end: float) -> Any:
         """zmq.Again if it is not known by then where the server is."""
@@ -94,17 +113,10 @@ class Requester(OneProcess):
     def is_reply(self, frames: list[Any], request: list[bytes]) -> bool:
         return bool(frames)
 
-    def close_socket(self) -> None:
-        if self.socket:
-            self.socket.close()
-        self.socket = None
-
     def stop(self) -> None:
         """On any thread: end the request under way, and every later one, by Closed."""
         self.stopped.set()
 
     def close(self) -> None:
-        """Close the socket, on the thread that asks. Twice is once."""
         self.stop()
-        self.close_socket()
-        self.search.close()
+        super().close()

@@ -4,10 +4,7 @@ import copy
 import types
 from collections import defaultdict
 
-import pytest
 import zmq
-
-pytest.importorskip("numpy", reason="lesson 17 needs numpy: kit.py run 17 installs it")
 
 from netmq_example.fleet import hub, members, trainers
 from netmq_example.messages import Array, Message

@@ -5,6 +5,8 @@ import json
 import pytest
 import zmq
 
+pytest.importorskip("numpy", reason="lesson 17 needs numpy: kit.py run 17 installs it")
+
 from netmq_example.fleet.members import LONGEST_NAME
 from netmq_example.messages import Array, Message
 from netmq_example.wire.records import ANSWERS, NOTHING, RESET, STEP, Record, Section

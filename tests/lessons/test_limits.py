@@ -12,6 +12,8 @@ from pathlib import Path
 import pytest
 import zmq
 
+pytest.importorskip("numpy", reason="lesson 17 needs numpy: kit.py run 17 installs it")
+
 from kitlib.lessons import Lesson
 from netmq_example import arguments
 from netmq_example.fleet import hub, members

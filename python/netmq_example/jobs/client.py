@@ -26,7 +26,7 @@ from netmq_example.former import positional
 from netmq_example.messages import LIMIT, Message, MessageError, take
 from netmq_example.one_process import one_at_a_time
 from netmq_example.program import Context, Socket
-from netmq_example.requester import Requester
+from netmq_example.requester import Client
 from netmq_example.trouble import longer, tried
 
 STATUSES = ("succeeded", "canceled", "aborted")
@@ -64,7 +64,7 @@ def check_news(news: Message) -> None:
         raise MessageError("bad-status", f"status {status!a:.40} is none of {', '.join(STATUSES)}")
 
 
-class JobClient(Requester):
+class JobClient(Client):
     """One job, over one DEALER socket at a time. Use it on one thread."""
 
     largest = LIMIT

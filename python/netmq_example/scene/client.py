@@ -95,7 +95,7 @@ class EnvironmentClient:
                     # Where nobody listens yet, a short try is enough.
                     self.tries = 0 if isinstance(error, ConnectionRefusedError) else self.tries + 1
                     if self.why == NO_CONNECTION != str(error):
-                        # Connected: it may wait for so long, and nobody would know why.
+                        # It may wait for so long, and nobody would know why.
                         self.why = str(error)
                         self.report(f"trouble: {error}")
                     self.pause()
@@ -137,9 +137,6 @@ class EnvironmentClient:
             # Milliseconds for the last answer, which would be dropped without them.
             socket.linger = 1000
             socket.send_multipart(Message("closed", request.id).frames())
-        except TimeoutError as error:
-            self.report(f"trouble: {error}")
-            raise
         finally:
             self.heard = time.monotonic()
             self.why = NO_CONNECTION

@@ -21,7 +21,7 @@ from netmq_example.errors import Timeout
 from netmq_example.former import positional
 from netmq_example.one_process import one_at_a_time
 from netmq_example.program import Context, Socket, encoded, option, text_of
-from netmq_example.requester import PAUSE_SECONDS, Requester
+from netmq_example.requester import PAUSE_SECONDS, Client
 from netmq_example.security.keys import checked, checked_path, load, make
 from netmq_example.trouble import longer, tried
 
@@ -54,7 +54,7 @@ def client_keys(text: str) -> ClientKeys:
     return option(lambda _, folder: ClientKeys(folder), text, str)
 
 
-class SecureRequester(Requester):
+class SecureRequester(Client):
     """Asks a server that knows its clients: on any thread, but on one at a time."""
 
     @positional("context", "endpoint", "keys", "timeout", "tries", "report")
