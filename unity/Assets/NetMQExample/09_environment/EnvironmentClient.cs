@@ -101,8 +101,8 @@ namespace NetMQExample
                 }
                 catch (Exception e) when (e is TimeoutException || e is MessageException)
                 {
-                    // A refusal is told at once, and once; it says more than the silence that may come after it.
-                    if (e is MessageException && why != e.Message) report($"trouble: {e.Message}");
+                    // It is told at once, and once; a refusal says more than the silence that may come after it.
+                    if (why != e.Message && (why == Nothing || e is MessageException)) report($"trouble: {e.Message}");
                     if (e is MessageException || why == Nothing) why = e.Message;
                     if (Once && (welcomed || e is MessageException)) throw;
                     // A peer that refuses at once is not asked again at once.
@@ -130,7 +130,7 @@ namespace NetMQExample
             // Not the simulator's own: in Unity it is asked on the main thread alone.
             var name = simulator.Reply.Values["name"];
             dealer.Send(simulator.Reply, stop);
-            request = Receive(limit, stop);
+            request = Receive(limit, stop, "it is there and says nothing: has it another scene, or is it busy?");
             if (request?.Kind != "welcome") throw new MessageException("no-welcome", "hello had another answer");
             welcomed = true;
             dealer.Timeout = Try;
@@ -157,11 +157,6 @@ namespace NetMQExample
                     while (simulator.Waiting);
                     Reply(simulator, stop);
                 }
-            }
-            catch (TimeoutException e)
-            {
-                report($"trouble: {e.Message}");
-                throw;
             }
             finally
             {
@@ -196,9 +191,9 @@ namespace NetMQExample
         }
 
         // A request in words; null: a reset or a step, which then is in `step`.
-        private Message Receive(TimeSpan limit, CancellationToken stop)
+        private Message Receive(TimeSpan limit, CancellationToken stop, string silent = Gone)
         {
-            if (!dealer.TryReceive(limit, stop)) throw new TimeoutException(Gone);
+            if (!dealer.TryReceive(limit, stop)) throw new TimeoutException(silent);
             if (!dealer.IsRecord(out var record)) return dealer.Read();
             step.Read(record);
             return null;
