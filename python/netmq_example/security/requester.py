@@ -16,7 +16,7 @@ from typing import Any
 
 import zmq
 
-from netmq_example import check
+from netmq_example import arguments, check
 from netmq_example.errors import Timeout
 from netmq_example.former import positional
 from netmq_example.one_process import one_at_a_time
