@@ -133,6 +133,9 @@ def test_a_simulator_does_each_request_once_and_says_hello_on_each_connection(ki
             router.send_multipart([peer, *Message(kind, Message.read(hello).id, values).frames()])
             return peer
 
+        # As long as this one has another simulator, and is at work.
+        router.recv_multipart()
+        client.wait_for("^trouble: it is there and says nothing: has it another scene, or is it busy\\?$")
         # Refused, and when that was nothing new, it is said no more.
         for text in ("it is odd", "it is odd", "it is even"):
             heard(kind="error", code="bad-space", text=text)

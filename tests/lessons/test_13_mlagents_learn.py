@@ -136,10 +136,14 @@ import multiprocessing, sys, torch
 from mlagents.trainers import exception, settings, trainer_controller, worker
 from mlagents_envs.exception import UnityCommunicatorStoppedException, UnityTimeOutException
 
+class Options(list):
+    num_envs = 0 if "none" in sys.argv else 1
+    env_settings = property(lambda self: self)
+
 def parse_command_line():
     if "many" in sys.argv: raise ValueError("no number: 'many'")
     if sys.argv[1] in ("broken", "empty"): settings.load_config(sys.argv[1])
-    return sys.argv[1:]
+    return Options(sys.argv[1:])
 
 def run_cli(options):
     print(options)
@@ -194,6 +198,7 @@ def test_the_kit_stands_in_the_place_of_mlagents_envs_also_in_a_worker_that_is_s
     [
         ("bad", "no such trainer"),
         ("many", "no number: 'many': look at the file and the options"),
+        ("none", "with no simulator nobody plays: write --num-envs=1, or leave it out"),
         ("late", "no simulator came"),
         ("lost", "the simulator is lost"),
         ("empty", "empty has no settings: write behaviors:, and below it those of each behavior"),
