@@ -83,8 +83,8 @@ def test_childrens_sensors_are_left_out_where_the_inspector_says_so(world):
     ("mistake", "why"),
     [
         ("sensors=Broken", "CreateSensors of Broken on Broken has failed: no eye"),
-        ("numbers=-1", "Continuous Actions in its Behavior Parameters is -1: write 0 or more"),
-        ("branches=2x0", "Branch Sizes in its Behavior Parameters has 0 at branch 1: give each branch a choice"),
+        ("numbers=-1", "in its Behavior Parameters Continuous Actions is -1: write 0 or more"),
+        ("branches=2x0", "in its Behavior Parameters Branch Sizes has 0 at branch 1: give each branch a choice"),
     ],
 )
 def test_an_agent_that_cannot_begin_says_why_and_the_others_go_on(mistake, why, world):

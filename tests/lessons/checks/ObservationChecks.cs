@@ -43,8 +43,8 @@ namespace NetMQExample.Tests
         {
             var words = line.Split(' ').Select(Hex.Bytes).ToArray();
             var values = words.Skip(1).Where((_, i) => i % 2 == 1).Select(data => MessageTree.Read(data)).ToArray();
-            var sources = values.Select((value, i) => AgentState.Make(
-                "given", Encoding.UTF8.GetString(words[1 + 2 * i]), "", null, () => value)).ToArray();
+            var sources = values.Select((value, i) => new Source(
+                "given", Locator.Parse(Encoding.UTF8.GetString(words[1 + 2 * i])), () => value)).ToArray();
             var simulator = new SceneSimulator("Given", 1, new[] { new Nobody() }, sensors: sources);
             simulator.Hello();
             var request = new StepRequest();

@@ -93,7 +93,8 @@ namespace NetMQExample.Tests
             World.Others.AddRange(new AgentState("a", new Odd { Number = value }).Sources);
 
         private void See(string locator, Func<object> read) =>
-            World.Others.Add(AgentState.Make("told", locator, "", AgentState.Scope, () => Observed.Of(Of(read()))));
+            World.Others.Add(
+                new Source("told", Locator.Parse(locator, "", AgentState.Scope), () => Observed.Of(Of(read()))));
 
         // NaN as an array: as a number it would not leave the house.
         private static object Of(object value) => value is float ? BoxOf.Value(value) : value;

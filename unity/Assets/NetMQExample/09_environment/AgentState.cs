@@ -68,11 +68,6 @@ namespace NetMQExample
         public IDictionary<string, object> Info => info;
         public double Dt => Tick * Period;
 
-        /// <summary>A source whose locator is read here, once.</summary>
-        /// <exception cref="ArgumentException">The locator is wrong; the message says where.</exception>
-        public static Source Make(string name, string locator, string standard, Locator scope, Func<object> read) =>
-            new Source(name, Parse(name, locator, standard, scope), read);
-
         /// <summary>Adds to the reward that goes with the next answer.</summary>
         /// <exception cref="MessageException">It is not finite.</exception>
         public void AddReward(double more) => Change(nameof(AddReward), Reward + Finite(more), terminated, truncated);

@@ -31,17 +31,11 @@ namespace NetMQExample
         /// <summary>The environment's own side. New after each enable, but not after a change of scenes.</summary>
         public SceneSimulator Simulator { get; private set; }
 
-        /// <summary>Hears what Python sends to the environment itself.</summary>
-        public event Action<object> OnInfo;
-
         /// <summary>The env_name in Python. Set it before it is enabled, such as in Awake.</summary>
         public string EnvName { get => envName; set => envName = value; }
 
         /// <summary>Seconds of a tick. Set it before it is enabled, such as in Awake.</summary>
         public double Dt { get => dt; set => dt = value; }
-
-        /// <summary>The agents that take part: they may come and go.</summary>
-        protected virtual IReadOnlyList<IAgent> Agents => Agent.All;
 
         protected override string Endpoint => endpoint;
         protected override bool Connects => played == null;
@@ -68,10 +62,10 @@ namespace NetMQExample
                 Simulator.ForgetListeners();
                 Simulator.Moves.World = this;
                 Simulator.Roster.Loaded = true;
-                Hear();
+                GymEnv.Simulator = Simulator;
                 return;
             }
-            Simulator = new SceneSimulator(EnvName, Dt, Agents, this, SensorComponent.All)
+            Simulator = new SceneSimulator(EnvName, Dt, Agent.All, this, SensorComponent.All)
             {
                 Loads = SceneChange.Loads,
                 Warn = Debug.LogWarning,
@@ -82,7 +76,7 @@ namespace NetMQExample
             Simulator.Roster.Exists = agent => !(agent is Agent one) || one != null;
             Simulator.Moves.Physics = () => Physics.Simulate((float)Dt);
             foreach (var one in atMost) Simulator.AtMost[one.name] = one.count;
-            Hear();
+            GymEnv.Simulator = Simulator;
             played = byHand ? new ByHand(Simulator, Dt, Heuristic) : null;
             Enter();
             played?.Begin();
@@ -109,22 +103,15 @@ namespace NetMQExample
             else Simulator?.CatchUp();
         }
 
-        private void Hear()
-        {
-            GymEnv.Simulator = Simulator;
-            var others = Simulator.Others;
-            Simulator.Others = () => others() + OnInfo;
-        }
-
         // In the order of the hierarchy. Objects that Unity keeps over all scenes come last.
         private IReadOnlyList<IAgent> Everyone()
         {
             var found = new List<IAgent>();
-            for (var i = 0; i < SceneManager.sceneCount && Agents == Agent.All; i++)
+            for (var i = 0; i < SceneManager.sceneCount; i++)
                 if (SceneManager.GetSceneAt(i).isLoaded)
                     foreach (var root in SceneManager.GetSceneAt(i).GetRootGameObjects())
                         found.AddRange(root.GetComponentsInChildren<Agent>(true).Where(one => !one.GaveUp));
-            found.AddRange(Agents.Where(agent => !found.Contains(agent)).ToList());
+            found.AddRange(Agent.All.Where(agent => !found.Contains(agent)).ToList());
             return found;
         }
     }

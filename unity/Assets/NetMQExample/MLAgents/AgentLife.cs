@@ -75,11 +75,9 @@ namespace NetMQExample.MLAgents
             if (lives) return;
             Parameters = agent.GetComponent<BehaviorParameters>();
             Spec = Parameters.BrainParameters.ActionSpec;
-            if (Spec.NumContinuousActions < 0)
-                throw new UnityAgentsException($"{Name} stands still: Continuous Actions in its Behavior Parameters is "
-                    + $"{Spec.NumContinuousActions}: write 0 or more");
+            Spec.Check(Name);
             Branches = Spec.BranchSizes ?? Array.Empty<int>();
-            Mask = new DiscreteActionMask(Branches, Name);
+            Mask = new DiscreteActionMask(Branches);
             lives = true;
             var academy = Academy.Instance;
             Stored = new ActionBuffers(Spec);

@@ -123,6 +123,17 @@ namespace NetMQExample.MLAgents.Actuators
         public static ActionSpec MakeContinuous(int numActions) => new ActionSpec(numActions, null);
         public static ActionSpec MakeDiscrete(params int[] branchSizes) => new ActionSpec(0, branchSizes);
 
+        /// <exception cref="UnityAgentsException">An agent cannot act so.</exception>
+        internal void Check(string agent)
+        {
+            var sizes = BranchSizes ?? Array.Empty<int>();
+            var none = Array.FindIndex(sizes, size => size < 1);
+            var wrong = NumContinuousActions < 0 ? $"Continuous Actions is {NumContinuousActions}: write 0 or more"
+                : none >= 0 ? $"Branch Sizes has {sizes[none]} at branch {none}: give each branch a choice, or remove it"
+                : null;
+            if (wrong != null) throw new UnityAgentsException($"{agent} stands still: in its Behavior Parameters {wrong}");
+        }
+
         public static ActionSpec Combine(params ActionSpec[] specs) => new ActionSpec(
             specs.Sum(spec => spec.NumContinuousActions),
             specs.SelectMany(spec => spec.BranchSizes ?? Array.Empty<int>()).ToArray());

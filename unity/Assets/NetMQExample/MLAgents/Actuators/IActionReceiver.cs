@@ -55,16 +55,8 @@ namespace NetMQExample.MLAgents.Actuators
         private readonly int[] branches;
         private readonly byte[] forbidden;
 
-        /// <exception cref="UnityAgentsException">A branch has no choice.</exception>
-        public DiscreteActionMask(int[] branchSizes, string agent = "an agent")
-        {
-            var none = Array.FindIndex(branchSizes, size => size < 1);
-            if (none >= 0)
-                throw new UnityAgentsException($"{agent} stands still: Branch Sizes in its Behavior Parameters has "
-                    + $"{branchSizes[none]} at branch {none}: give each branch a choice, or remove it");
-            branches = branchSizes;
-            forbidden = new byte[branchSizes.Sum()];
-        }
+        public DiscreteActionMask(int[] branchSizes) =>
+            (branches, forbidden) = (branchSizes, new byte[branchSizes.Sum()]);
 
         public bool Any => Array.IndexOf(forbidden, (byte)1) >= 0;
 
