@@ -14,7 +14,21 @@ from kitlib.programs import quietly
 from kitlib.setup import dotnet, python_setup
 from kitlib.terminal import say
 from lab import machine, report
-from lab.contest import BARE, BARE_ACTION, BUSY, CURVE, ECHOES, HELLO, SIGHTS, SSH, STEER, STEPS, Lab, elsewhere
+from lab.contest import (
+    BARE,
+    BARE_ACTION,
+    BUSY,
+    CLIENTS,
+    CURVE,
+    ECHOES,
+    HELLO,
+    SIGHTS,
+    SSH,
+    STEER,
+    STEPS,
+    Lab,
+    elsewhere,
+)
 from lab.programs import LIMIT
 
 # A picture of 320 x 240 points, each of three bytes.
@@ -89,6 +103,7 @@ def other_work(lab: Lab) -> list[dict[str, Any]]:
     echo = f"echo {{name}} {{endpoint}} {{size}} {lab.moment}"
     small, picture = (echo.replace("{size}", str(size)) for size in SIZES.values())
     return [
+        lab.work("one server for several clients", CLIENTS, small),
         lab.work("a picture of 230,400 B, an action back", [BARE_ACTION, STEER], picture),
         lab.work("with keys, echo of 32 B", [BARE, CURVE], small),
         lab.work("with keys, echo of 230,400 B", [BARE, CURVE, SSH], picture),

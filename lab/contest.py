@@ -50,6 +50,12 @@ WEBSOCKET = Contender("WebSocket, websockets", "dotnet", "websocket", "websocket
 GRPC = Contender("gRPC, Python both sides", "grpc", "grpc", "grpc", "grpcio")
 JSON = Contender("JSON lines, Base64", "dotnet", "json", "json")
 MANY = Contender("lesson 06, 64 in flight", "dotnet", "many@64", "06_many_in_flight", only_small=True)
+# Each client with the same server: those of the lessons differ in more than their clients.
+CLIENTS = [
+    Contender("lesson 01", "dotnet", "hello", "world"),
+    Contender("lesson 02", "dotnet", "pirate", "world"),
+    Contender("lesson 04, one at a time", "dotnet", "background", "world"),
+]
 ECHOES = [TCP, HELLO, BARE, POOLED, NAIVE, WEBSOCKET, HTTP, GRPC, JSON, MANY]
 # A trainer that launches its simulators itself: there is no server to start.
 STEPS = [

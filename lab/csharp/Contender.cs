@@ -55,6 +55,8 @@ namespace NetMQExample.Lab
                 case "http": return new Http(endpoint, size);
                 case "websocket": return new WebSockets(endpoint, size);
                 case "hello": return new Hello(endpoint, size);
+                case "pirate": return new Pirate(endpoint, size);
+                case "background": return new Background(endpoint, size);
                 case "busy": return new BusyWait(endpoint, size);
                 case "naive": return new Messages(endpoint, size, false);
                 case "pooled": return new Messages(endpoint, size, true);

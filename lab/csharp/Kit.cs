@@ -2,6 +2,7 @@
 using System;
 using System.Collections.Generic;
 using System.Linq;
+using System.Threading;
 using NetMQ;
 using NetMQ.Sockets;
 
@@ -24,6 +25,58 @@ namespace NetMQExample.Lab
         public override void Receive() => Check(requester.Receive(Timeout) == "World");
 
         public override void Dispose() => requester.Dispose();
+    }
+
+    /// <summary>Lesson 02, with a server that keeps no journal.</summary>
+    internal sealed class Pirate : Contender
+    {
+        private readonly LazyPirateRequester requester;
+        private readonly string text;
+        private string reply;
+
+        public Pirate(string endpoint, int size) : base(size)
+        {
+            requester = new LazyPirateRequester(endpoint);
+            text = "Hello".PadRight(size);
+        }
+
+        public override void Send() => reply = requester.Request(text);
+
+        // It was there before Send returned.
+        public override void Receive() => Check(reply == "World");
+
+        public override void Dispose() => requester.Dispose();
+    }
+
+    /// <summary>Lesson 04. In place of Unity's frames it polls whenever nothing else wants the processor.</summary>
+    internal sealed class Background : Contender
+    {
+        private readonly BackgroundClient client;
+        private readonly string text;
+        private readonly Action<string> onReply, onError;
+        private string reply;
+
+        public Background(string endpoint, int size) : base(size)
+        {
+            client = new BackgroundClient(endpoint);
+            text = "Hello".PadRight(size);
+            onReply = given => reply = given;
+            onError = why => throw new InvalidOperationException(why);
+        }
+
+        public override void Send()
+        {
+            reply = null;
+            Check(client.Request(text, onReply, onError));
+        }
+
+        public override void Receive()
+        {
+            for (client.Poll(); reply == null; client.Poll()) Thread.Yield();
+            Check(reply == "World");
+        }
+
+        public override void Dispose() => client.Dispose();
     }
 
     /// <summary>Asks without waiting whether the reply is there, again and again, as a well-known example

@@ -23,6 +23,8 @@ FULL_LOCK = 0.16
 NEAR = 5.0
 FAR = 9.0
 SPEED = 8.0
+# Of the values of an action those that are no numbers.
+WORDS = (str, bool)
 
 
 def main_camera(seen: dict[str, Any]) -> Any:
@@ -38,11 +40,11 @@ def as_action(told: Any) -> dict[str, Any]:
         except (TypeError, ValueError):
             raise ValueError(f"drive returns throttle, brake, steer, or a dict with them, not {told!r:.60}") from None
         told = {"throttle": throttle, "brake": brake, "steer": steer}
-    lacking = [name for name in ("throttle", "brake", "steer") if isinstance(told.get(name), str | bool | None)]
-    if lacking:
-        raise ValueError(f"the dict that drive returns has no number {lacking[0]!r}")
+    for name in ("throttle", "brake", "steer"):
+        if told.get(name) is None or isinstance(told[name], WORDS):
+            raise ValueError(f"the dict that drive returns has no number {name!r}")
     # A number may be numpy's or PyTorch's.
-    values = {name: value if isinstance(value, str | bool) else float(value) for name, value in told.items()}
+    values = {name: value if isinstance(value, WORDS) else float(value) for name, value in told.items()}
     for name, value in values.items():
         if isinstance(value, float) and not math.isfinite(value):
             raise ValueError(f"drive returns {name} {value}, which is not finite")

@@ -55,10 +55,11 @@ def main() -> None:
     parser.add_argument("--model", type=load, default=drive, help="drive by what train.py has learned: steering.npz")
     options = parser.parse_args()
     recorder = Recorder(options.record)
+    answered = functools.partial(answer, options.model)
     with listening(zmq.REP, options, largest=4 * LIMIT) as socket:
         while True:
             request = receive_frames(socket)
-            frame, action, parts = message_reply(functools.partial(answer, options.model), request, "error-in-driver")
+            frame, action, parts = message_reply(answered, request, "error-in-driver")
             # Even a sleep of 0 takes as long as the whole reply.
             if options.delay:
                 time.sleep(options.delay)

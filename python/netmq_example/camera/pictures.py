@@ -32,7 +32,7 @@ try:
 except ImportError:
     Image = None  # type: ignore[assignment]
 
-CAMERAS = ("center", "left,right", "left,center,right")
+CAMERAS = {names: names.split(",") for names in ("center", "left,right", "left,center,right")}
 # The values that a frame needs besides its pictures, and their types.
 NUMBERS = ("sim_time", "wall_time", "throttle", "brake", "steer", "speed")
 VALUES: dict[str, tuple[type, ...]] = {"frame": (int,), "run": (str,), "manual": (bool,)}
@@ -56,15 +56,15 @@ def pictures(frame: Message) -> dict[str, Any]:
     cameras, encoding = frame.values.get("cameras"), frame.values.get("encoding")
     if cameras not in CAMERAS:
         raise MessageError("bad-cameras", f"cameras must be {' or '.join(CAMERAS)}, not {cameras!a:.40}")
-    names = str(cameras).split(",")
+    names = CAMERAS[cameras]
     if len(names) != len(frame.arrays):
         raise MessageError("bad-cameras", f"{len(names)} cameras, {cameras}, but {len(frame.arrays)} pictures")
     if encoding not in ("raw", "jpeg"):
         raise MessageError("bad-encoding", f"encoding must be raw or jpeg, not {encoding!a:.40}")
     seen = [from_jpeg(array) if encoding == "jpeg" else from_raw(array, frame) for array in frame.arrays]
-    sizes = {picture.shape for picture in seen}
-    if len(sizes) > 1:
-        raise MessageError("bad-shape", f"pictures of one moment have one size, not {sorted(sizes)}")
+    if len(seen) > 1 and any(picture.shape != seen[0].shape for picture in seen):
+        sizes = sorted({picture.shape for picture in seen})
+        raise MessageError("bad-shape", f"pictures of one moment have one size, not {sizes}")
     return dict(zip(names, seen, strict=True))
 
 
@@ -72,11 +72,12 @@ def check_values(frame: Message) -> None:
     """Refuse a frame without its number, drive or telemetry: a driver and the recorder take them as they are."""
     if frame.kind != "frame":
         raise MessageError("unknown-kind", f"kind {frame.kind!a:.40} is not frame")
+    values = frame.values
     for name, kinds in VALUES.items():
-        if type(frame.values.get(name)) not in kinds:
+        if type(values.get(name)) not in kinds:
             raise MessageError("wrong-type", f"a frame needs the value '{name}', of type {kinds[-1].__name__}")
-    if frame.values["frame"] != frame.id:
-        raise MessageError("wrong-frame", f"the id is {frame.id}, but the value 'frame' {frame.values['frame']}")
+    if values["frame"] != frame.id:
+        raise MessageError("wrong-frame", f"the id is {frame.id}, but the value 'frame' {values['frame']}")
 
 
 def from_raw(array: Array, frame: Message) -> Any:
@@ -84,8 +85,7 @@ def from_raw(array: Array, frame: Message) -> Any:
     shape = array.shape
     if array.dtype != "uint8" or len(shape) != 3 or shape[2] not in (3, 4) or 0 in shape or max(shape) > MOST_PIXELS:
         raise MessageError("bad-shape", f"a picture is uint8 [height, width, 3 or 4], not {array.dtype} {[*shape]}")
-    pixels = array.numpy()[:, :, :3]
-    return pixels[::-1] if frame.values.get("bottom_up") is True else pixels
+    return array.numpy()[:: -1 if frame.values.get("bottom_up") is True else 1, :, :3]
 
 
 def from_jpeg(array: Array) -> Any:

@@ -21,7 +21,8 @@ from gymnasium.spaces import Space
 from gymnasium.vector.utils import batch_space, iterate
 
 from netmq_example.envs.kinds import Kind
-from netmq_example.messages import ENCODER, MessageError
+from netmq_example.json_text import ENCODER
+from netmq_example.messages import MessageError
 from netmq_example.wire import trees
 from netmq_example.wire.records import FORM, Section
 from netmq_example.wire.sections import with_sizes

@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 
 from netmq_example.envs.remote import MASK, OWN, info_in
-from netmq_example.json_text import shallow
-from netmq_example.messages import DECODER
+from netmq_example.json_text import DECODER, shallow
 from netmq_example.wire import trees
 from netmq_example.wire.records import Section
 

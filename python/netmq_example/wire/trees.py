@@ -34,8 +34,8 @@ from typing import Any, TypeVar
 import numpy as np
 
 from netmq_example import arguments, check
-from netmq_example.json_text import shallow
-from netmq_example.messages import DECODER, DTYPES, ENCODER, LIMIT, Array, MessageError
+from netmq_example.json_text import DECODER, ENCODER, shallow
+from netmq_example.messages import DTYPES, LIMIT, Array, MessageError
 from netmq_example.wire.graphs import GraphInstance
 
 SIZE = struct.Struct("<I")
