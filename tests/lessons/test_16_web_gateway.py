@@ -357,7 +357,8 @@ def test_only_the_newest_of_a_topic(serve, context):
 
 def test_a_slow_browser_is_let_go_and_holds_up_nobody(echo):
     async def talk(slow):
-        slow._response.connection.protocol.pause_reading()
+        protocol = slow._response.connection.protocol
+        protocol.pause_reading()
 
         async def flood():
             for _ in range(30):
@@ -371,6 +372,8 @@ def test_a_slow_browser_is_let_go_and_holds_up_nobody(echo):
                 await asyncio.sleep(0.05)
         assert memory(program) - before < 64 * 1024, "what it does not take must not pile up"
         flooding.cancel()
+        # Else it would wait ten seconds for the gateway's farewell.
+        protocol.resume_reading()
 
     soon = "from netmq_example.web import websocket; websocket.SLOW_SECONDS = 2"
     with opened("--hello", echo, *ABSENT[2:], change=soon) as (program, endpoint):
