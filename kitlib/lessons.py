@@ -68,7 +68,7 @@ def read_json(path: Path) -> dict[str, Any]:
     try:
         # With a byte order mark or without: Windows' editors write one.
         found = json.loads(path.read_text(encoding="utf-8-sig"))
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return {}
     return found if isinstance(found, dict) else {}
 

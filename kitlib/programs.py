@@ -7,7 +7,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,6 +28,8 @@ if sys.platform == "win32":
 TIMEOUT = 120.0
 # A program is asked to end, and waited for this long. One that has heard the terminal's Ctrl-C is not asked that soon.
 GOODBYE, MOMENT = 5.0, 1.0
+# In bytes; what is longer is given in parts.
+LONGEST_LINE = 4000
 Command = Sequence[str | Path]
 Environment = Mapping[str, str] | None
 
@@ -175,6 +177,24 @@ def quietly(command: Command, limit: float, env: Environment = None, cwd: Path |
 def spawn(words: Sequence[str], cwd: Path | None = None, env: Environment = None, **streams: Any) -> Popen[bytes]:
     """Start a program that `end` can end with all that it starts: dotnet and pip start others."""
     return Popen(words, env={**os.environ, **READABLE, **(env or {})}, cwd=cwd, **GROUP, **streams)
+
+
+def heard(words: Sequence[str], cwd: Path, listens: Callable[[], bool]) -> Generator[str, None, None]:
+    """Start a program, and give its lines as they come, until it ends or nobody listens; then it is ended."""
+    process = spawn(words, cwd, stdin=DEVNULL, stdout=PIPE, stderr=STDOUT)
+
+    def watch() -> None:
+        while process.poll() is None:
+            if not listens():
+                end(process)
+            time.sleep(0.1)
+
+    threading.Thread(target=watch, daemon=True).start()
+    try:
+        while line := process.stdout.readline(LONGEST_LINE) if process.stdout else b"":
+            yield line.decode("utf-8", "replace").rstrip("\r\n")
+    finally:
+        end(process)
 
 
 def wait(process: Popen[Any], name: str) -> int:

@@ -3,6 +3,7 @@
 import contextlib
 import http.client
 import json
+import socket
 from urllib.parse import urlsplit
 
 from kitlib.docs import guide
@@ -30,27 +31,41 @@ class Site:
             return answer.status, answer.headers, answer.read().decode("utf-8", "replace")
 
     def told(self, path, wish):
-        """The lines that a run tells."""
+        """What a run tells: the lines of each speaker, and the last of all, a verdict."""
         status, _, text = self.ask(path, wish)
         assert status == 200, text
-        return [json.loads(line) for line in text.splitlines()]
+        news = [json.loads(line) for line in text.splitlines()]
+        said = {"command": [news[0]["command"]]}
+        for each in news:
+            said.setdefault(each.get("who"), []).append(each.get("text"))
+        return said, news[-1]
+
+    @contextlib.contextmanager
+    def listening(self, path, wish):
+        """The lines of a run as they come, until its tab is closed."""
+        body = json.dumps(wish)
+        head = f"POST {self.base}{path} HTTP/1.0\r\nHost: 127.0.0.1:{self.port}\r\nOrigin: {self.origin}\r\n"
+        with socket.create_connection(("127.0.0.1", self.port), LIMIT) as tab, tab.makefile("rw", newline="") as lines:
+            lines.write(f"{head}Content-Length: {len(body)}\r\n\r\n{body}")
+            lines.flush()
+            yield lines
 
 
-def block(page, command, **values):
-    """The page's own words to run this command."""
+def block(page, command, step=0, **values):
+    """The page's own words to run a command of this block."""
     bodies = [each.body for each in guide.blocks(ROOT / page)]
-    return {"page": page, "block": bodies.index(f"python3 kit.py {command}\n"), "values": values, "watch": False}
+    wish = {"page": page, "block": bodies.index(f"python3 kit.py {command}\n"), "step": step, "watch": False}
+    return {**wish, "values": values}
 
 
 @contextlib.contextmanager
-def opened(tmp_path, **environment):
+def opened(tmp_path, *options, **environment):
     """BROWSER names the program that opens a page: here one that does nothing."""
-    words = [PYTHON, ROOT / "kit.py", "guide", "--folder", tmp_path / "anna"]
+    words = [PYTHON, ROOT / "kit.py", "guide", "--folder", tmp_path / "anna", *options]
     program = Program(words, folder=tmp_path, BROWSER=f"'{PYTHON}' -c pass %s", **environment)
     try:
         yield Site(program, tmp_path / "anna")
-        # Not killed: what it has started ends with it.
-        assert program.process.poll() is not None or program.stop() == 0, program.output
-        assert "Traceback" not in program.output, program.output
     finally:
-        program.kill()
+        # Also after a test that failed it is asked, not killed: what it has started ends with it.
+        code = program.stop()
+    assert code == 0 and "Traceback" not in program.output, program.output

@@ -3,6 +3,7 @@
 import argparse
 from pathlib import Path
 
+from kitlib.commands import run
 from kitlib.guide_page import answers
 from kitlib.lessons import ROOT
 from kitlib.programs import run_in_terminal
@@ -12,12 +13,14 @@ ABOUT = "Opens the guide in your browser, from this machine: its commands run by
 EXAMPLES = [
     "guide                            until Ctrl-C; no internet is needed",
     "guide --folder ../anna           what you change and what you have done is kept there",
+    "guide --no-answers               for pupils: the pages without their answers",
     "guide --report ../anna ../bo     a teacher's table: which exercises are done",
 ]
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--folder", type=Path, metavar="DIR", help="for your answers; else the kit's folder answers")
+    parser.add_argument("--no-answers", dest="answers", action="store_false", help="leave out what folds as an answer")
     parser.add_argument("--report", type=Path, nargs="+", metavar="FOLDER", help="print a table of these folders")
 
 
@@ -28,6 +31,8 @@ def do(options: argparse.Namespace) -> int:
     try:
         from kitlib.guide_page import server
     except ModuleNotFoundError:
-        words = ["guide", *(["--folder", folder] if options.folder else [])]
-        return run_in_terminal([python_setup.interpreter("guide"), ROOT / "kit.py", *words])
-    return server.serve(folder, folder / "runs" if options.folder else None)
+        words = [*(["--folder", folder] if options.folder else []), *([] if options.answers else ["--no-answers"])]
+        # Lesson 16's packages draw the arrows, and a lesson is no time to install them.
+        python = python_setup.interpreter("guide", optional=(run.EXTRA,))
+        return run_in_terminal([python, ROOT / "kit.py", "guide", *words])
+    return server.serve(folder, folder / "runs" if options.folder else None, options.answers)

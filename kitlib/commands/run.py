@@ -10,7 +10,7 @@ from pathlib import Path
 from subprocess import DEVNULL
 
 from kitlib import lessons
-from kitlib.lessons import KitError, Lesson, UsageError, find
+from kitlib.lessons import ROOT, KitError, Lesson, UsageError, find
 from kitlib.programs import MOMENT, TIMEOUT, Program, quietly, wait
 from kitlib.setup import dotnet, python_setup
 from kitlib.signals import uninterrupted
@@ -33,10 +33,11 @@ CURE = 'what the client takes goes into --options="…", what the server takes i
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("lesson", metavar="LESSON", help="its number or its name: 1, 01, request-reply")
+    parser.add_argument("lesson", metavar="LESSON", help="its number or name: 1, 01, request-reply; or your server.py")
     parser.add_argument("--endpoint", help="where the server listens; tcp://127.0.0.1:0 takes a free port")
     parser.add_argument("--server", default="", metavar="OPTIONS", help="for the server; `server N --help` has them")
     parser.add_argument("--options", default="", metavar="OPTIONS", help="for the client; `client N --help` has them")
+    parser.add_argument("--reload", action="store_true", help="start the server anew when it is saved")
     parser.add_argument("--watch", action="store_true", help="see the messages pass, in a page of your browser")
     parser.add_argument("--frame", metavar="ORIGIN", help="with --watch: whose page shows that page, in a frame")
     add_folder(parser)
@@ -54,7 +55,8 @@ def add_client(parser: argparse.ArgumentParser) -> None:
 
 
 def do(options: argparse.Namespace) -> int:
-    lesson = find(options.lesson)
+    own = Path(options.lesson).absolute() if options.lesson.endswith(".py") else None
+    lesson = find(own.parent.name if own else options.lesson)
     for_client, for_server = split(options.options, "--options"), split(options.server, "--server")
     if options.watch and lesson.scheme != "tcp":
         raise UsageError(f"--watch shows ZeroMQ, and {lesson.key} is asked over {lesson.scheme}; watch another lesson")
@@ -63,7 +65,10 @@ def do(options: argparse.Namespace) -> int:
     endpoint = options.endpoint or (lesson.anywhere if options.watch else "")
     given = ["--endpoint", endpoint] if endpoint else []
     others = [[str(python), str(lesson.python / name), *words] for name, *words in lesson.also]
-    server = [*server_command(lesson, python), *given, *for_server]
+    server = [str(python), str(own or lesson.python / "server.py")]
+    if options.reload:
+        server = [sys.executable, str(ROOT / "kit.py"), "server", str(own or lesson.key), "--reload", "--"]
+    server += [*given, *for_server]
     tap = tap_command(lesson, python) if options.watch else []
     tap += ["--frame", options.frame] if tap and options.frame else []
     return run(lesson.folder(options.folder), server, others, client, behind(lesson, python, for_server), tap)

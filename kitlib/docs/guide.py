@@ -188,6 +188,16 @@ def first_difference(block: Block, lines: Sequence[str]) -> str:
     return ""
 
 
+def verdict(page: Path, words: Sequence[str], lines: Sequence[str]) -> dict[str, str | bool]:
+    """Whether a command of kit.py printed what the page shows of it, if it shows any of it."""
+    for block in blocks(page):
+        if block.kind in ("run", "like") and ["run", *shlex.split(block.source)] == words:
+            difference = first_difference(block, with_own_ports("\n".join(lines), block.source).splitlines())
+            told = "as on the page" + ", numbers aside" * (block.kind == "like")
+            return {"verdict": difference or told, "good": not difference}
+    return {"verdict": "not compared: the page does not show what this command prints"}
+
+
 def same(expected: Sequence[str], found: Sequence[str]) -> bool:
     """True if the lines are equal, where a line `...` stands for any number of lines."""
     pattern = "".join("(.*\n)*?" if line == "..." else re.escape(line) + "\n" for line in expected)

@@ -24,34 +24,36 @@ TICKING = threading.Lock()
 class Exercise:
     """A row of the classroom's table: what to do, and the commands that show it done."""
 
+    key: str
     text: str
     done: str
 
     @property
-    def check(self) -> list[list[str]]:
+    def check(self) -> list[str]:
         """The options of each client; none where a page has to be looked at."""
         found = re.findall(r"`python3 kit\.py run ([^`]+)`", self.done)
-        return [run.split(commands.parse(run, shlex.split(each)).options, "--options") for each in found]
+        return [commands.parse(run, shlex.split(each)).options for each in found]
 
-    def missing(self, code: int, lines: Iterable[str]) -> str:
-        """A verdict: what stands in the table and was not printed, and what was. Nothing where all is well."""
+    def verdict(self, folder: Path, lines: Iterable[str]) -> dict[str, str | bool]:
+        """Done, which is kept; or what stands in the table and was not printed, and what was."""
         said = [line.removeprefix("client | ") for line in lines if line.startswith("client |")]
         wanted = [each for each in re.findall(r" prints `([^`]+)`", self.done) if each not in "\n".join(said)]
         if less := re.search(r"the second one (\d+) less", self.done):
             balances = [int(each) for line in said for each in re.findall(r"received (-?\d+)$", line)]
             if len(balances) != 2 or balances[0] - balances[1] != int(less[1]):
                 wanted = [f"two balances, {less[0]}"]
-        if code or wanted or any("error" in line for line in said):
-            wish = f"wanted {' and '.join(wanted)}" if wanted else "wanted no error"
-            came = " / ".join(line for line in said if not re.match("asking |done: ", line))
-            return f"not yet: {wish}; came: {came[-400:]}"
-        return ""
+        ended = sum(line.startswith("done: ") for line in said) == len(self.check)
+        if ended and not wanted and not any("error" in line for line in said):
+            tick(folder, self.key, "checked")
+            return {"verdict": "done", "good": True}
+        came = " / ".join(line for line in said if not re.match("asking |done: ", line))
+        return {"verdict": f"not yet: wanted {' and '.join(wanted) or 'no error'}; came: {came[-400:]}", "good": False}
 
 
 def exercises() -> dict[str, Exercise]:
     """By the lesson, in the order of the table."""
     rows = re.findall(r"^\| (\d\d)\b.*? \| (.*?) \| (.*?) \|$", CLASSROOM.read_text(encoding="utf-8"), re.MULTILINE)
-    return {find(number).key: Exercise(text, done) for number, text, done in rows}
+    return {find(row[0]).key: Exercise(find(row[0]).key, *row[1:]) for row in rows}
 
 
 def own_server(folder: Path, key: str) -> Path:
@@ -78,14 +80,31 @@ def tick(folder: Path, key: str, how: str) -> None:
         put(folder / TICKS, json.dumps({**done, key: how} if how else done, indent=1).encode())
 
 
+def ticks(path: Path) -> dict[str, str]:
+    """How each exercise was done; an error where the guide did not write the file so."""
+    known = exercises()
+    done = {key: how for key, how in json.loads(path.read_text(encoding="utf-8-sig")).items() if key in known}
+    if not all(how in ("checked", "ticked") for how in done.values()):
+        raise ValueError(done)
+    return done
+
+
 def report(folders: Sequence[Path]) -> int:
     """Print a row for each folder: which exercises were checked, and which ticked by hand."""
-    wide = max(len(str(folder)) for folder in folders)
+    # A name of a pupil's may hold what a terminal takes for a command.
+    names = ["".join(each if each.isprintable() else "?" for each in str(folder)) for folder in folders]
+    wide = max(map(len, names))
     print(" " * wide, *(f"{key[:2]:7}" for key in exercises()), sep="  ")
-    for folder in folders:
+    for name, folder in zip(names, folders, strict=True):
         path = next((each for each in (folder / TICKS, folder / "answers" / TICKS) if each.exists()), folder / TICKS)
-        done = read_json(path)
-        print(f"{folder!s:{wide}}", *(f"{done.get(key, '-')!s:7}" for key in exercises()), sep="  ")
-        if not path.exists():
-            say(f"{folder} has no {TICKS}: name the folder that `kit.py guide` names when it starts")
+        done, why = {}, ""
+        try:
+            done = ticks(path)
+        except FileNotFoundError:
+            why = f"{name} has no {TICKS}: name the folder that `kit.py guide` names when it starts"
+        except (OSError, ValueError, AttributeError, RecursionError):
+            why = f"{TICKS} of {name} is not as the guide writes it: look at the pupil's own screen"
+        print(f"{name:{wide}}", *(f"{done.get(key, '-'):7}" for key in exercises()), sep="  ")
+        if why:
+            say(why)
     return 0

@@ -14,42 +14,50 @@ async function ask(what, wish, signal) {
   return answer;
 }
 
-// ---- One run at a time: its lines as they come, until it ends, or the page or its Stop ends it ----
+// ---- Programs: each has its lines as they come, until it ends, or its Stop or the page ends it ----
 
 addEventListener("unhandledrejection", event => alert(event.reason.message));
-let running = null, index = null;
-async function run(place, what, wish) {
-  running?.stop.abort();
-  const mine = running = { place, check: wish.check, stop: new AbortController() };
-  const columns = make("div", { className: "columns" }), verdict = make("p", { className: "verdict", role: "status" });
-  const button = make("button", { textContent: "Stop", onclick: () => mine.stop.abort() });
-  const output = make("div", { className: "output" }, button, verdict, columns), seen = {}, lines = {};
+const programs = new Map();
+// Only one block's programs run; but a client that is alone may be for a server that is there already.
+function begin(place, kinds) {
+  for (const each of programs.values()) if (kinds !== "client" || each.kind !== "server") each.stop.abort();
   one(".output", place)?.remove();
+  const output = make("div", { className: "output" });
   one(".tools", place).after(output);
-  const column = who => {
-    const put = who === "server" ? "prepend" : "append";
-    if (!seen[who]) columns[put](make("div", {}, make("b", {}, who), seen[who] = make("pre")));
-    return lines[who] ??= [];
-  };
-  const hear = news => {
-    if (news.begins === "client") column("client").length = 0;
-    if (news.who === "kit") verdict.textContent = news.text;
-    else if (news.who) column(news.who).push(news.text);
-    if (news.page) output.append(make("iframe", { src: news.page, title: "The messages, as arrows" }));
-    if (news.verdict) verdict.textContent = news.verdict;
-    if (news.verdict) verdict.classList.add(["as on the page", "done"].includes(news.verdict) ? "good" : "bad");
-    if (news.passed) all(`[data-tick="${wish.lesson}"]`).forEach(box => { box.checked = true; });
+  return () => output.appendChild(make("section"));
+}
+
+// `goes` is called when a server listens, and when any other program has ended.
+async function program(box, kind, what, wish, goes = () => 0) {
+  const stop = new AbortController(), lines = {}, seen = {};
+  box.replaceChildren(one("#program").content.cloneNode(true));
+  const [button, waits, verdict, columns] = ["button", "progress", ".verdict", ".columns"].map(each => one(each, box));
+  button.onclick = () => stop.abort();
+  programs.set(box, { kind, stop });
+  const hear = ({ who, text, good, ...news }) => {
+    const frame = who === "kit" && text.match(/^open (http:\S+) in/);
+    if (frame) columns.before(make("iframe", { src: frame[1], title: "The messages, as arrows" }));
+    if (frame) box.scrollIntoView({ block: "nearest" });
+    if (news.command) one("code", box).textContent = news.command;
+    if (who === "kit" || news.verdict) verdict.textContent = news.verdict ?? text;
+    else if (who && who !== "tap") (lines[who] ??= []).push(text);
+    if (good != null) verdict.classList.add(good ? "good" : "bad");
+    if (good && what === "own") all(`[data-tick="${wish.lesson}"]`).forEach(tick => { tick.checked = true; });
+    if (kind === "server" && text?.startsWith("listening on ")) goes();
   };
   // However much has come, there is one layout of it.
   const show = () => {
     for (const [who, each] of Object.entries(lines)) {
+      const side = who === "server" ? "prepend" : "append";
+      if (!seen[who]) columns[side](make("div", {}, make("b", {}, who), seen[who] = make("pre")));
       if (each.length > 500) each.splice(0, each.length - 499, "... earlier lines left out");
       seen[who].textContent = each.join("\n");
       seen[who].scrollTop = seen[who].scrollHeight;
+      waits.hidden = true;
     }
   };
   try {
-    const reader = (await ask(what, wish, mine.stop.signal)).body.pipeThrough(new TextDecoderStream()).getReader();
+    const reader = (await ask(what, wish, stop.signal)).body.pipeThrough(new TextDecoderStream()).getReader();
     for (let rest = "", part = await reader.read(); !part.done; part = await reader.read()) {
       const told = (rest + part.value).split("\n");
       rest = told.pop();
@@ -58,52 +66,70 @@ async function run(place, what, wish) {
       // Stop and the page's own work come in between.
       await new Promise(go => setTimeout(go, 20));
     }
+    if (kind !== "server") goes();
   } catch (error) {
-    verdict.textContent = mine.stop.signal.aborted ? "stopped" : error.message;
+    verdict.textContent = stop.signal.aborted ? "stopped" : error.message;
   }
-  button.remove();
-  one("iframe", output)?.remove();
-  if (running === mine) running = null;
+  one("iframe", box)?.remove();
+  waits.hidden = true;
+  programs.delete(box);
+  button.textContent = "Start";
+  button.onclick = () => program(box, kind, what, wish, goes);
 }
 
 for (const block of all(".run"))
-  block.onsubmit = event => {
+  block.onsubmit = async event => {
     event.preventDefault();
     const watch = event.submitter.value === "watch", values = Object.fromEntries(new FormData(event.target));
-    run(block, "run", { page: location.pathname.slice(base.length), block: block.dataset.block, values, watch });
+    const wish = { page: location.pathname.slice(base.length), block: block.dataset.block, values, watch };
+    const kinds = block.dataset.steps, room = begin(block, kinds);
+    for (const [step, kind] of kinds.split(" ").entries())
+      await new Promise(goes => program(room(), kind, "run", { ...wish, step }, goes));
   };
 
 // ---- The reader's own server ----
 
 for (const own of all(".own")) {
-  const lesson = own.dataset.lesson, edit = one("[data-do=edit]", own), check = one("[data-do=check]", own);
-  let text = null;
-  // The first time there is nothing to save yet.
-  const saved = async () => {
-    all(".verdict", own).forEach(each => { each.textContent = ""; });
-    const told = await (await ask("edit", { lesson, text: text?.value })).json();
-    if (!text) {
-      text = make("textarea", { defaultValue: told.text, spellcheck: false, ariaLabel: told.path, onkeydown: type });
-      edit.replaceWith(make("button", { textContent: "Save and run", onclick: attempt }));
-      one(".tools", own).after(make("p", { className: "mistake verdict bad" }), make("small", {}, told.path), text);
+  const lesson = own.dataset.lesson, text = one("textarea", own), mistake = one(".mistake", own);
+  let was, options;
+  const edit = async wish => {
+    const told = await (await ask("edit", { lesson, ...wish })).json();
+    const load = !told.newer || confirm("This file was changed elsewhere since you opened it here. Load that one instead?");
+    mistake.textContent = load ? told.error : "not saved: the file was changed elsewhere since you opened it here";
+    if (!load) return false;
+    own.classList.add("open");
+    one("[value=save]", own).textContent = "Save and run";
+    one("small", own).textContent = told.path;
+    if (text.value !== told.text) {
+      text.value = told.text;
       text.setSelectionRange(told.at, told.at);
       text.focus();
     }
-    text.defaultValue = told.text;
-    one(".mistake", own).textContent = told.error;
-    return !told.error;
+    was = text.defaultValue = told.text;
+    return !told.newer && !told.error;
   };
-  const type = event => {
+  const run = check => {
+    options = one("input", own).value;
+    program(begin(own)(), "run", "own", { lesson, options, check });
+  };
+  own.onsubmit = async event => {
+    event.preventDefault();
+    const does = event.submitter.value, opened = was !== undefined;
+    if (does === "again" && !confirm("Lose what you have written, and start again from the kit's server.py?")) return;
+    const wish = does === "again" ? { again: true } : opened ? { text: text.value, was } : {};
+    const saved = does === "check" && !opened || await edit(wish);
+    if (does === "check" && saved) run(true);
+    // While it runs, its server is started anew by what is saved.
+    const runs = programs.has(one("section", own)) && options === one("input", own).value;
+    if (does === "save" && saved && opened && !runs) run(false);
+  };
+  text.onkeydown = event => {
     const line = text.value.slice(0, text.selectionStart).split("\n").pop(), more = line.endsWith(":") ? "    " : "";
     const put = { Tab: "    ", Enter: `\n${line.match(/^ */)[0]}${more}` }[event.key];
-    if (!put || event.shiftKey) return;
+    if (!put || event.shiftKey || event.isComposing) return;
     text.setRangeText(put, text.selectionStart, text.selectionEnd, "end");
     event.preventDefault();
   };
-  // A server that runs already is started anew by what is saved, and its client as well.
-  const attempt = async () => await saved() && (running?.place !== own || running.check) && run(own, "try", { lesson, check: false });
-  edit.onclick = saved;
-  if (check) check.onclick = async () => { if (!text || await saved()) run(own, "try", { lesson, check: true }); };
 }
 addEventListener("beforeunload", event => {
   if (all(".own textarea").some(text => text.value !== text.defaultValue)) event.preventDefault();
@@ -114,6 +140,7 @@ for (const box of all("[data-tick]"))
 
 // ---- Search, source files, large type ----
 
+let index = null;
 const field = one("#search"), found = one("#found"), shown = one("dialog");
 field.oninput = async () => {
   index ??= await (await fetch(`${base}search.json`)).json();
@@ -144,7 +171,7 @@ large(localStorage.getItem("big") === "yes");
 one("#big").onclick = () => large();
 one("#menu").onclick = () => one("nav").classList.toggle("open");
 document.addEventListener("keydown", event => {
-  if (event.target.matches("input, textarea") || event.ctrlKey || event.metaKey || event.altKey) return;
+  if (event.isComposing || event.target.matches("input, textarea") || event.ctrlKey || event.metaKey || event.altKey) return;
   if (event.key === "b") large();
   if (event.key === "/") { event.preventDefault(); field.focus(); }
 });

@@ -20,6 +20,7 @@ from kitlib.guide_page.diagrams import svg
 from kitlib.lessons import ROOT, find, lessons, read_json
 
 HERE = Path(__file__).parent
+ANSWER = re.compile(r"<details><summary>Answer.*?</details>", re.DOTALL)
 
 
 def fence(_: Any, tokens: list[Token], at: int, __: Any, env: dict[str, Any]) -> str:
@@ -41,15 +42,20 @@ def fence(_: Any, tokens: list[Token], at: int, __: Any, env: dict[str, Any]) ->
     tools = "<button>Run</button>" + '<button value="watch">Run with arrows</button>' * arrows
     for place, (name, value) in enumerate(runs.fields(block)):
         tools += f'<label>{name} <input name="{place}" size="9" value="{escape(value)}"></label>'
-    return f'<div class="run" data-block="{number}">{shown}<form class="tools">{tools}</form></div>'
+    about = f'data-block="{number}" data-steps="{" ".join(words[0] for words in steps)}"'
+    return f'<div class="run" {about}>{shown}<form class="tools">{tools}</form></div>'
 
 
 def editor(key: str) -> str:
     """The place where a reader changes a lesson's server."""
-    found, tools = answers.exercises().get(key), '<button data-do="edit">Edit</button>'
-    tools += '<button data-do="check">Check</button>' if found and found.check else ""
-    tools += f"<span>{MARKDOWN.renderInline(found.text)}</span>" if found else ""
-    return f'<div class="own" data-lesson="{key}"><p class="tools">{tools}</p></div>'
+    found = answers.exercises().get(key)
+    check = found.check if found else []
+    about = f"<p><b>Your turn.</b> {MARKDOWN.renderInline(found.text)}</p>" if found else ""
+    tools = '<button value="save">Edit</button>' + '<button value="check">Check</button>' * bool(check)
+    tools += f'<label class="late">client <input name="options" value="{escape("".join(check[:1]))}"></label>'
+    tools += '<button value="again" class="late">Start again from the kit\'s</button>'
+    text = '<p class="mistake verdict bad"></p><small></small><textarea class="late" spellcheck="false"></textarea>'
+    return f'<form class="own" data-lesson="{key}">{about}<p class="tools">{tools}</p>{text}</form>'
 
 
 def html(_: Any, tokens: list[Token], at: int, *__: Any) -> str:
@@ -119,8 +125,9 @@ def side(base: str) -> str:
     keys = {f"{lesson.number:02}": lesson.key for lesson in lessons()}
     on_map = (ROOT / "img" / "lessons.svg").read_text(encoding="utf-8")
     groups = {"first": ["start_here", keys["01"]]}
-    for path, numbers in re.findall(r"[:;] ([^;:]+?), lessons ([\d, ]+)", on_map):
-        groups[path] = [keys[number] for number in numbers.split(", ")]
+    paths = re.findall(r"[:;] ([^;:]+?), lessons ([\d, ]+)", on_map)
+    for path, numbers in sorted(paths, key=lambda found: found[1]):
+        groups[path] = [keys[number] for number in sorted(numbers.split(", "))]
     rest = {page.stem for page in guide.pages()[1:]}.difference(*groups.values())
     shown = ""
     for group, names in (groups | {"around the lessons": sorted(rest)}).items():
@@ -130,11 +137,12 @@ def side(base: str) -> str:
     return shown
 
 
-def page(path: Path, base: str, name: str) -> str:
+def page(path: Path, base: str, name: str, answers: bool) -> str:
     """The whole page of a file or folder of the kit; a file's lines are numbered, and those of `name` marked."""
     heading = path.relative_to(ROOT).as_posix()
     if path.suffix == ".md":
-        return whole(title(path), rendered(path), base)
+        body = rendered(path)
+        return whole(title(path), body if answers else re.sub(ANSWER, "", body), base)
     if path.is_dir():
         names = (file.name for file in sorted(path.iterdir()) if file.suffix != ".meta")
         body = "".join(f'<p><a href="{base}{heading}/{name}">{name}</a></p>' for name in names)

@@ -12,10 +12,12 @@ import select
 import signal
 import socket
 import sys
-from collections.abc import Callable
-from contextlib import suppress
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing, suppress
+from http.server import BaseHTTPRequestHandler
 from pathlib import Path
+from socketserver import ThreadingTCPServer
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
@@ -24,10 +26,14 @@ from kitlib.docs import guide
 from kitlib.files import put
 from kitlib.guide_page import answers, pages, runs
 from kitlib.lessons import ROOT, KitError, find
+from kitlib.programs import heard
 from kitlib.signals import uninterrupted
 from kitlib.terminal import say
 
 HTML, PLAIN, JSON = "text/html; charset=utf-8", "text/plain; charset=utf-8", "application/json"
+Verdict = Callable[[Sequence[str]], Mapping[str, str | bool]]
+# Of an endless loop a verdict sees the last lines.
+MOST_LINES = 20_000
 TYPES = {".svg": "image/svg+xml", ".png": "image/png", ".gif": "image/gif"}
 TYPES |= {".css": "text/css", ".js": "text/javascript"}
 HEADERS = {
@@ -40,15 +46,16 @@ HEADERS = {
 }
 
 
-class Guide(ThreadingHTTPServer):
-    """The server, and the runs that end with it."""
+class Guide(ThreadingTCPServer):
+    """The server, and the runs that end with it.
 
-    # Its end waits for them.
-    daemon_threads = False
+    An HTTPServer would ask for this machine's name, which takes seconds on macOS, and share its port on Windows.
+    """
 
-    def __init__(self, folder: Path, leave: Path | None) -> None:
+    def __init__(self, folder: Path, leave: Path | None, answers: bool = True) -> None:
         super().__init__(("127.0.0.1", 0), Handler)
-        self.folder, self.leave, self.base = folder, leave, f"/{secrets.token_urlsafe(16)}/"
+        self.folder, self.leave, self.answers = folder, leave, answers
+        self.port, self.base = self.server_address[1], f"/{secrets.token_urlsafe(16)}/"
         self.stopping = False
 
     def handle_error(self, *about: Any) -> None:
@@ -68,7 +75,7 @@ class Handler(BaseHTTPRequestHandler):
     def refusal(self) -> str:
         """Why this request has no place here; an empty text if it has one."""
         host = self.headers.get("Host", "")
-        if host not in (f"127.0.0.1:{self.server.server_port}", f"localhost:{self.server.server_port}"):
+        if host not in (f"127.0.0.1:{self.server.port}", f"localhost:{self.server.port}"):
             return "only for this machine: open it by 127.0.0.1"
         # With each POST a browser names the page that sends it.
         if self.headers.get("Origin", "" if self.command == "POST" else f"http://{host}") != f"http://{host}":
@@ -102,10 +109,10 @@ class Handler(BaseHTTPRequestHandler):
             return self.answer(PLAIN, "the guide has no such page", 404)
         if path.suffix in TYPES:
             return self.answer(TYPES[path.suffix], path.read_bytes())
-        return self.answer(HTML, pages.page(path, base, function))
+        return self.answer(HTML, pages.page(path, base, function, self.server.answers))
 
     def do_POST(self) -> None:
-        does = {"run": self.run, "try": self.attempt, "edit": self.edit, "tick": self.tick}
+        does = {"run": self.run, "own": self.own, "edit": self.edit, "tick": self.tick}
         action = does.get(self.path.removeprefix(self.server.base))
         # Less than a megabyte.
         size = re.fullmatch(r"[0-9]{1,6}", self.headers.get("Content-Length", ""))
@@ -122,64 +129,84 @@ class Handler(BaseHTTPRequestHandler):
         return None
 
     def edit(self, wish: dict[str, Any]) -> None:
-        """The reader's copy of a lesson's server, first saved if there is a text, and where to change it."""
-        path = answers.own_server(self.server.folder, find(wish["lesson"]).key)
-        if "text" in wish:
-            put(path, str(wish["text"]).encode())
+        """The reader's copy of a lesson's server, and where to change it; first saved if there is a text.
+
+        What was saved elsewhere since the page loaded it is kept, and sent as `newer`.
+        """
+        lesson = find(wish["lesson"])
+        path = answers.own_server(self.server.folder, lesson.key)
+        if wish.get("again"):
+            put(path, (lesson.python / "server.py").read_bytes())
         text = path.read_text(encoding="utf-8")
-        at = max(0, text.rfind("\ndef ", 0, max(text.find("Your own"), 0)) + 1)
-        self.answer(JSON, json.dumps({"path": str(path), "text": text, "at": at, "error": answers.mistake(path)}))
+        newer = "text" in wish and text != wish["was"]
+        if "text" in wish and not newer:
+            text = str(wish["text"])
+            put(path, text.encode())
+        at = text.find("\n", text.rfind("Your own")) + 1
+        found = {"path": str(path), "text": text, "at": at, "error": answers.mistake(path), "newer": newer}
+        self.answer(JSON, json.dumps(found))
 
     def tick(self, wish: dict[str, Any]) -> None:
         answers.tick(self.server.folder, find(wish["lesson"]).key, "ticked" if wish["done"] else "")
         self.answer(JSON, "{}")
 
     def run(self, wish: dict[str, Any]) -> None:
-        """A block of a page, with the reader's values."""
-        page = (ROOT / wish["page"]).resolve()
-        blocks = list(guide.blocks(page)) if page in guide.pages() else []
-        steps = [each for block in blocks[int(wish["block"]) :][:1] for each in runs.steps(block, wish["values"])]
-        if not steps:
+        """A command of a block of a page, with the reader's values."""
+        page, step = (ROOT / wish["page"]).resolve(), int(wish["step"])
+        blocks = list(guide.blocks(page))[int(wish["block"]) :] if page in guide.pages() else []
+        steps = runs.steps(blocks[0], wish["values"]) if blocks else []
+        if not 0 <= step < len(steps):
             raise KitError("this page has no such command: load it anew")
-        origin = f"http://{self.headers['Host']}" if wish["watch"] or "--watch" in steps[0] else ""
-        arranged = [runs.arranged(words, origin, self.server.leave) for words in steps]
-        self.play(arranged, ROOT, lambda play: play.tell({"verdict": runs.verdict(page, steps[-1], play.lines)}))
+        words, shown = steps[step], runs.filled(blocks[0], wish["values"]).splitlines()[step]
+        origin = f"http://{self.headers['Host']}" if wish["watch"] or "--watch" in words else ""
+        arranged = runs.arranged(words, origin, self.server.leave)
+        self.play(shown, ROOT, [arranged], lambda lines: guide.verdict(page, words, lines))
 
-    def attempt(self, wish: dict[str, Any]) -> None:
-        """The reader's own server and a client; or, to check an exercise, the client that this takes."""
+    def own(self, wish: dict[str, Any]) -> None:
+        """The reader's own server with a client of these options, or with each that its exercise wants."""
         lesson, folder = find(wish["lesson"]), self.server.folder
-        path, check = answers.own_server(folder, lesson.key), answers.exercises()[lesson.key] if wish["check"] else None
-        server = ["server", str(path), *([] if check else ["--reload"]), "--", *runs.place(lesson)]
-        client = ["client", lesson.key, "--client", "python", "--folder", str(path.parent)]
+        path, exercise = answers.own_server(folder, lesson.key), answers.exercises().get(lesson.key)
+        check = exercise.check if exercise and wish["check"] else []
+        options = check or [str(wish["options"])]
+        if not all(each.isprintable() and not runs.ELSEWHERE.search(each) for each in options):
+            raise KitError("here a client takes its own options alone, such as --count 3")
+        words = ["run", str(path), *runs.place(lesson), "--client", "python", "--folder", str(path.parent)]
+        words += [] if check else ["--reload"]
+        shown = "; ".join(f'python3 kit.py run {path} --options="{each}"' for each in options)
+        steps = [[*words, f"--options={each}"] for each in options]
+        self.play(
+            shown, path.parent, steps, lambda lines: exercise.verdict(folder, lines) if exercise and check else {}
+        )
 
-        def done(play: runs.Play) -> None:
-            if check and (missing := check.missing(play.code, play.lines)):
-                play.tell({"verdict": missing})
-            elif check:
-                answers.tick(folder, lesson.key, "checked")
-                play.tell({"verdict": "done", "passed": True})
-
-        self.play([server, *([*client, *each] for each in (check.check if check else [[]]))], path.parent, done)
-
-    def play(self, steps: list[list[str]], folder: Path, done: Callable[[runs.Play], None]) -> None:
-        def send(news: list[dict[str, Any]]) -> None:
-            self.wfile.write("".join(f"{json.dumps(each)}\n" for each in news).encode())
-
-        def listens() -> bool:
-            # The browser sends nothing more: what can be read is the end of the connection, by Stop or a closed tab.
-            there, _, _ = select.select([self.connection], [], [], 0)
-            return not self.server.stopping and not (there and not self.connection.recv(1, socket.MSG_PEEK))
-
+    def play(self, shown: str, folder: Path, steps: list[list[str]], verdict: Verdict) -> None:
+        """Run commands one after the other while the page listens, and tell what they print and a verdict on it."""
         # A page that is busy may read slowly.
         self.connection.settimeout(10)
         self.answer("application/x-ndjson", None)
-        runs.Play(steps, folder, send, done).all(listens)
+        self.tell({"command": shown})
+        lines: deque[str] = deque(maxlen=MOST_LINES)
+        for words in steps:
+            with closing(heard([sys.executable, str(ROOT / "kit.py"), *words], folder, self.listens)) as said:
+                for line in said:
+                    lines.append(line)
+                    self.tell(runs.spoken(words[0], line))
+                    if line == runs.STAYS:
+                        self.tell(verdict(lines))
+        self.tell(verdict(lines))
+
+    def tell(self, news: Mapping[str, str | bool]) -> None:
+        self.wfile.write(f"{json.dumps(news)}\n".encode())
+
+    def listens(self) -> bool:
+        # The browser sends nothing more: what can be read is the end of the connection, by Stop or a closed tab.
+        there, _, _ = select.select([self.connection], [], [], 0)
+        return not self.server.stopping and not (there and not self.connection.recv(1, socket.MSG_PEEK))
 
 
-def serve(folder: Path, leave: Path | None) -> int:
+def serve(folder: Path, leave: Path | None, answers: bool) -> int:
     """Until Ctrl-C. The programs of the pages leave their files in `leave`, or else where `kit.py run` has them."""
-    server = Guide(folder, leave)
-    address = f"http://127.0.0.1:{server.server_port}{server.base}"
+    server = Guide(folder, leave, answers)
+    address = f"http://127.0.0.1:{server.port}{server.base}"
     say(f"your answers are kept in {folder}")
     say(f"{'opening' if open_in_browser(address) else 'open'} {address} in a browser; Ctrl-C ends it")
     # A shell's & has Ctrl-C ignored, also by all programs that are started here, which end by it.

@@ -42,6 +42,7 @@ def main() -> None:
                 socket.send_string(f"news/ the cube has made {steps} steps")
             if steps % 180 == 0:
                 socket.send_string(f"newsflash/ it has made {steps} already")
+            # Your own topic goes here.
             if options.interval:
                 time.sleep(options.interval)
 

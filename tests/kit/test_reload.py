@@ -5,6 +5,8 @@ import signal
 from types import SimpleNamespace
 
 from kitlib import reload
+from kitlib.commands import copy
+from kitlib.lessons import find
 from tests.conftest import PYTHON
 from tests.programs import ROOT, Mark, finds_processes, steady_endpoint
 
@@ -50,6 +52,22 @@ def test_a_server_that_was_killed_is_started_again_and_loses_nothing(start, tmp_
     kit.wait_for("^listening on", start=begin)
     assert client.wait() == 0, client.output
     assert "1000: sent add 1, received 1000" in client.lines[-2:], client.output
+    assert kit.stop(signal.SIGINT) == 130
+    assert mark.gone()
+
+
+@finds_processes
+def test_a_run_whose_server_is_changed_goes_on(start, tmp_path):
+    """Here of a server of one's own: what is saved answers the client that still asks."""
+    mark, key = Mark(), "02_lazy_pirate"
+    copy.write(tmp_path, copy.programs(find(key), tmp_path)[0], force=False)
+    path = tmp_path / key / "server.py"
+    words = ["run", path, "--reload", "--client", "python", "--folder", tmp_path, "--endpoint", steady_endpoint()]
+    kit = start(PYTHON, ROOT / "kit.py", *words, "--options=--count 1000000 --tries 100", **mark.environment)
+    kit.wait_for(r"^client \| 20: sent add 1, received 20$")
+    path.write_text(path.read_text(encoding="utf-8").replace("balance + ?", "balance - ?"), encoding="utf-8")
+    kit.wait_for(r"^server \| kit    \| server.py saved: starting anew$")
+    kit.wait_for(r"^client \| \d+: sent add 1, received -\d+$")
     assert kit.stop(signal.SIGINT) == 130
     assert mark.gone()
 

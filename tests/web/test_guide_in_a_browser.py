@@ -9,7 +9,7 @@ import threading
 import pytest
 
 from tests.guide_site import block, opened
-from tests.programs import Mark, finds_processes
+from tests.programs import ROOT, Mark, finds_processes
 
 pytest.importorskip("markdown_it")
 pytest.importorskip("pygments")
@@ -29,26 +29,56 @@ def test_a_lesson_without_a_terminal(tmp_path, open_page):
         # It builds the C# client, where no other test has done so.
         page.wait_for("document.querySelector('#drop .columns')?.innerText.includes('done: 4 replies')", limit=600)
         assert re.search(r"request 2, b'2-\w+': '2', dropped", page.text("#drop .columns"))
+        assert '--server="--drop 2"' in page.text("#drop .output code")
+        page.wait_for("document.querySelector('#drop .verdict').innerText.startsWith('not compared: ')")
         page.evaluate("document.querySelector('#drop input').value = '3'")
         page.click("#drop [value=watch]")
         page.wait_for(
-            "document.querySelector('#drop .verdict').textContent === 'as on the page' && frames.length === 1"
+            "document.querySelector('#drop .verdict').innerText.startsWith('as on the page') && frames.length === 1"
         )
+        # The arrows are below the button, and seen.
+        middle = (
+            "document.elementFromPoint(innerWidth / 2, document.querySelector('iframe').getBoundingClientRect().y + 50)"
+        )
+        assert page.evaluate(f"{middle}.tagName") == "IFRAME"
         page.click("#drop .output button")
         page.wait_for("document.querySelector('#drop .verdict').textContent === 'stopped' && frames.length === 0")
-        page.click("[data-do=edit]")
-        page.wait_for("!!document.querySelector('textarea')")
-        page.evaluate("""(() => { const text = document.querySelector('textarea');
-            text.value = text.value.replace('    if not (asked', '    return "7"\\n    if not (asked'); })()""")
-        page.click(".own button")
+        # Two programs, each with its own Stop and Start.
+        crash = "[...document.querySelectorAll('.run')].find(each => each.innerText.includes('--crash-on 3'))"
+        page.evaluate(f"{crash}.id = 'crash'")
+        page.click("#crash form button")
+        page.wait_for("document.querySelector('#crash section')?.innerText.includes(', crash')")
+        page.wait_for("document.querySelector('#crash section button').innerText === 'Start'")
+        page.click("#crash section button")
+        page.wait_for("document.querySelector('#crash section + section').innerText.includes('done: 4 replies')")
+        assert "from the journal" in page.text("#crash section")
+        write = (
+            "(() => {{ const text = document.querySelector('textarea'); text.value = text.value.replace({}, {}); }})()"
+        )
+        page.click(".own [value=save]")
+        page.wait_for("document.querySelector('textarea').value.includes('def answer')")
+        page.evaluate(write.format("'    if not (asked'", """'    return "7"\\n    if not (asked'"""))
+        page.evaluate("document.querySelector('.own input').value = '--count 1000000 --tries 20'")
+        page.click(".own [value=save]")
         page.wait_for("document.querySelector('.own .output')?.innerText.includes('sent add 1, received 7')")
-        page.evaluate("""(() => { const text = document.querySelector('textarea');
-            text.value = text.value.replace('return "7"', 'return str(-5 * next(numbers))')
-                .replace('def answer', 'numbers = itertools.count(1)\\n\\n\\ndef answer'); })()""")
-        page.click(".own button")
+        page.evaluate(write.format("'return \"7\"'", "'return str(-5 * next(numbers))'"))
+        page.evaluate(write.format("'def answer'", "'numbers = itertools.count(1)\\n\\n\\ndef answer'"))
+        # The client goes on.
+        page.click(".own [value=save]")
         page.wait_for("document.querySelector('.own .output').innerText.includes('sent add 1, received -5')")
-        page.click("[data-do=check]")
+        page.click("[value=check]")
         page.wait_for("document.querySelector('.own .verdict.good')?.innerText === 'done'")
+        path = site.folder / "02_lazy_pirate" / "server.py"
+        path.write_text("# by my editor\n", encoding="utf-8")
+        page.evaluate("window.confirm = () => false")
+        page.click(".own [value=save]")
+        page.wait_for("document.querySelector('.mistake').innerText.startsWith('not saved: ')")
+        page.evaluate("window.confirm = () => true")
+        page.click(".own [value=save]")
+        page.wait_for("document.querySelector('textarea').value === '# by my editor\\n'")
+        page.click(".own [value=again]")
+        page.wait_for("document.querySelector('textarea').value.includes('def answer')")
+        assert path.read_bytes() == (ROOT / "python" / "02_lazy_pirate" / "server.py").read_bytes()
         page.click("main a[href*='LazyPirateRequester.cs']")
         page.wait_for("document.querySelector('dialog').innerText.includes('class LazyPirateRequester')")
         page.press("Escape")
