@@ -94,9 +94,9 @@ for (const own of all(".own")) {
   let was, options;
   const edit = async wish => {
     const told = await (await ask("edit", { lesson, ...wish })).json();
-    const load = !told.newer || confirm("This file was changed elsewhere since you opened it here. Load that one instead?");
-    mistake.textContent = load ? told.error : "not saved: the file was changed elsewhere since you opened it here";
-    if (!load) return false;
+    const elsewhere = "not saved: this file was changed elsewhere since you opened it here";
+    mistake.textContent = told.newer ? elsewhere : told.error;
+    if (told.newer && !confirm(`${elsewhere}. Load what it is now?`)) return false;
     own.classList.add("open");
     one("[value=save]", own).textContent = "Save and run";
     one("small", own).textContent = told.path;
@@ -108,20 +108,17 @@ for (const own of all(".own")) {
     was = text.defaultValue = told.text;
     return !told.newer && !told.error;
   };
-  const run = check => {
-    options = one("input", own).value;
-    program(begin(own)(), "run", "own", { lesson, options, check });
-  };
   own.onsubmit = async event => {
     event.preventDefault();
     const does = event.submitter.value, opened = was !== undefined;
     if (does === "again" && !confirm("Lose what you have written, and start again from the kit's server.py?")) return;
     const wish = does === "again" ? { again: true } : opened ? { text: text.value, was } : {};
-    const saved = does === "check" && !opened || await edit(wish);
-    if (does === "check" && saved) run(true);
-    // While it runs, its server is started anew by what is saved.
-    const runs = programs.has(one("section", own)) && options === one("input", own).value;
-    if (does === "save" && saved && opened && !runs) run(false);
+    const check = does === "check", saved = check && !opened || await edit(wish), now = one("input", own).value;
+    // While it runs with these options, its server is started anew by what is saved.
+    const goes = programs.has(one("section", own)) && options === now;
+    if (!saved || does === "again" || does === "save" && (!opened || goes)) return;
+    options = check ? null : now;
+    program(begin(own)(), "run", "own", { lesson, options: now, check });
   };
   text.onkeydown = event => {
     const line = text.value.slice(0, text.selectionStart).split("\n").pop(), more = line.endsWith(":") ? "    " : "";
@@ -171,7 +168,8 @@ large(localStorage.getItem("big") === "yes");
 one("#big").onclick = () => large();
 one("#menu").onclick = () => one("nav").classList.toggle("open");
 document.addEventListener("keydown", event => {
-  if (event.isComposing || event.target.matches("input, textarea") || event.ctrlKey || event.metaKey || event.altKey) return;
+  if (event.isComposing || event.target.matches("input, textarea")) return;
+  if (event.ctrlKey || event.metaKey || event.altKey) return;
   if (event.key === "b") large();
   if (event.key === "/") { event.preventDefault(); field.focus(); }
 });
