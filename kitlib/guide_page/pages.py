@@ -52,7 +52,7 @@ def editor(key: str) -> str:
     check = found.check if found else []
     about = f"<p><b>Your turn.</b> {MARKDOWN.renderInline(found.text)}</p>" if found else ""
     tools = '<button value="save">Edit</button>' + '<button value="check">Check</button>' * bool(check)
-    tools += f'<label class="late">client <input name="options" value="{escape("".join(check[:1]))}"></label>'
+    tools += f'<label class="late">client <input name="options" size="28" value="{escape("".join(check[:1]))}"></label>'
     tools += '<button value="again" class="late">Start again from the kit\'s</button>'
     text = '<p class="mistake verdict bad"></p><small></small><textarea class="late" spellcheck="false"></textarea>'
     return f'<form class="own" data-lesson="{key}">{about}<p class="tools">{tools}</p>{text}</form>'

@@ -1,5 +1,6 @@
 """A block of the guide runs its own commands of kit.py, and nothing else; each line is told as it comes."""
 
+import random
 import re
 import shlex
 import socket
@@ -58,10 +59,17 @@ def filled(block: guide.Block, values: Mapping[str, str]) -> str:
 
 
 def place(lesson: Lesson) -> list[str]:
-    """An endpoint for its server, where somebody has its own; the same one each time that a server is started anew."""
-    with socket.socket() as probe, socket.create_server(("127.0.0.1", 0)) as free:
-        taken = not probe.connect_ex(("127.0.0.1", lesson.port))
-        return ["--endpoint", lesson.anywhere.replace(":0", f":{free.getsockname()[1]}")] if taken else []
+    """An endpoint for its server, where somebody has its own."""
+    with socket.socket() as probe:
+        return [] if probe.connect_ex(("127.0.0.1", lesson.port)) else ["--endpoint", lesson.anywhere]
+
+
+def apart(lesson: Lesson) -> list[str]:
+    """An endpoint that no other run takes while its server is started anew.
+
+    The system gives these ports to no client: one that retries could otherwise be connected to itself.
+    """
+    return ["--endpoint", lesson.anywhere.replace(":0", f":{random.randrange(20_000, 30_000)}")]
 
 
 def arranged(words: list[str], origin: str, folder: Path | None) -> list[str]:

@@ -170,7 +170,7 @@ class Handler(BaseHTTPRequestHandler):
         options = check or [str(wish["options"])]
         if not all(each.isprintable() and not runs.ELSEWHERE.search(each) for each in options):
             raise KitError("here a client takes its own options alone, such as --count 3")
-        words = ["run", str(path), *runs.place(lesson), "--client", "python", "--folder", str(path.parent)]
+        words = ["run", str(path), *runs.apart(lesson), "--client", "python", "--folder", str(path.parent)]
         words += [] if check else ["--reload"]
         shown = "; ".join(f'python3 kit.py run {path} --options="{each}"' for each in options)
         steps = [[*words, f"--options={each}"] for each in options]
