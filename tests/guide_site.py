@@ -31,7 +31,7 @@ class Site:
             return answer.status, answer.headers, answer.read().decode("utf-8", "replace")
 
     def told(self, path, wish):
-        """What a run tells: the lines of each speaker, and the last of all, a verdict."""
+        """The lines of each speaker of a run, and its last news, a verdict."""
         status, _, text = self.ask(path, wish)
         assert status == 200, text
         news = [json.loads(line) for line in text.splitlines()]

@@ -83,6 +83,6 @@ def arranged(words: list[str], origin: str, folder: Path | None) -> list[str]:
 
 
 def spoken(program: str, line: str) -> dict[str, str | bool]:
-    """Who said it, and what."""
+    """The line with the name of its speaker."""
     found = re.fullmatch(r"(\S[^|]{0,20}?) *\| ?(.*)", line)
     return {"who": found[1], "text": found[2]} if found else {"who": program, "text": line}

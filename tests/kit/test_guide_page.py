@@ -179,7 +179,7 @@ def reported(*folders):
 
 
 def test_a_file_of_a_pupil_that_the_guide_did_not_write_is_one_line(tmp_path):
-    """Whatever is in it, and in the name of the folder: the table has a row, and a line that names the folder."""
+    """The table has a row and a line for it, whatever is in it and in the name of its folder."""
     odd = ["[" * 100_000, "not JSON", "7", "null", '["ab"]', "\xff", "9" * 5000, '{"01_request_reply": ["checked"]}']
     odd += [json.dumps({"01_request_reply": how}) for how in ("\33[2J", 1, None, {"a": "b"}, "checked\n02")]
     # Windows has no such names.
