@@ -190,7 +190,9 @@ def test_python_knows_so_many_simulators_and_no_more(serve, connect):
         one.send(b"")
         assert one.poll(100_000), "each is welcomed"
         assert b"Hello" in one.recv()
+    end = time.monotonic() + LIMIT
     while "64 simulators are here" not in server.output:
+        assert time.monotonic() < end
         for one in crowd:
             one.send(b"")
         for one in first:
