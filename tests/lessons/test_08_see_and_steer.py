@@ -181,17 +181,6 @@ def test_other_sizes_and_two_cars_get_folders_of_their_own(serve, ask, tmp_path,
     assert [len(rows(folder)) for folder in sorted((tmp_path / "runs").iterdir())] == [3, 3, 2]
 
 
-def test_each_hundred_pictures_are_said(tmp_path, caplog):
-    caplog.set_level("INFO", "netmq_example")
-    keeper = Recorder(tmp_path)
-    for number in range(201):
-        keeper.add(frame(number), action(number))
-    where = tmp_path / "run_0001"
-    lines = caplog.messages
-    assert lines[0] == f"recording to {where}: center, 32 x 24"
-    assert lines[1:] == [f"recorded {count} pictures to {where}" for count in (100, 200)]
-
-
 # What is replayed
 
 
@@ -306,7 +295,7 @@ def laps(camera, road, act, begin, count, keep=lambda *_: None):
 
 
 def test_what_was_learned_from_a_lap_stays_on_the_road_and_a_server_drives_by_it(
-    tmp_path, camera, road, serve, ask, plain
+    tmp_path, camera, road, serve, ask, plain, caplog
 ):
     """By the driver's steering, or by a person's where one drives."""
     keeper = Recorder(tmp_path / "runs")
@@ -318,7 +307,11 @@ def test_what_was_learned_from_a_lap_stays_on_the_road_and_a_server_drives_by_it
             seen = frame(number, picture, speed=car.speed, manual=manual, steer=action[2] if manual else -1.0)
             keeper.add(seen, Message("action", number, told | ({"steer": 1.0} if manual else {})))
 
+    caplog.set_level("INFO", "netmq_example")
     assert laps(camera, road, driver.follow_road, 0, 1, keep) < 1
+    begun, hundred, *_ = caplog.messages
+    where = tmp_path / "runs" / "run_0001"
+    assert (begun, hundred) == (f"recording to {where}: center, 80 x 60", f"recorded 100 pictures to {where}")
     out = tmp_path / "steering.npz"
     folder, few = str(tmp_path / "runs" / "run_0001"), str(recorded(tmp_path / "few", 99, size=50))
     done, other, too_few, nowhere = python_runs(

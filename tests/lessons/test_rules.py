@@ -14,9 +14,6 @@ from netmq_example.lazy_pirate import LazyPirate
 from netmq_example.many_requester import ManyRequester
 from netmq_example.message_requester import MessageRequester
 from netmq_example.messages import Message
-from netmq_example.mlagents_envs.carrier import Carrier, ClientCarrier
-from netmq_example.mlagents_envs.side_channel.side_channel_manager import SideChannelManager
-from netmq_example.pose_stream import PoseSubscriber, snapshots_beside
 from netmq_example.publisher import Publisher
 from netmq_example.server import Server
 from netmq_example.topic_listener import TopicListener
@@ -24,19 +21,7 @@ from netmq_example.worker_threads import WorkerThreads
 from tests.lessons.uses import USES
 from tests.programs import LIMIT
 
-NAN, INFINITE = float("nan"), float("inf")
 WHERE = "tcp://127.0.0.1:5552"
-
-
-def test_what_only_one_of_them_refuses(context):
-    with context.socket(zmq.REQ) as req:
-        for says, make in {
-            "socket takes a SUB socket": lambda: TopicListener(WHERE, "pose/", socket=req),
-            "stream takes a SUB socket, not ": lambda: PoseSubscriber(WHERE, stream=req),
-            "bad endpoint 'tcp://127.0.0.1'": lambda: snapshots_beside("tcp://127.0.0.1"),
-        }.items():
-            with pytest.raises(ValueError, match=f"^{says}"):
-                make()
 
 
 # Each is asked so, by what goes.
@@ -127,24 +112,6 @@ def test_an_endpoint_that_libzmq_cannot_use_hangs_nothing(context):
         for _ in range(2):
             with pytest.raises(zmq.ZMQError):
                 client.submit("hello").result(LIMIT)
-
-
-# They are given a socket, or the context as the first word.
-OF_SOCKETS = ("PoseSubscriber", "ClientCarrier")
-
-
-def test_what_is_of_zmq_asyncio_is_refused_with_the_cure():
-    """Its classes derive from those of zmq, and a call of theirs would return a future."""
-    with zmq.asyncio.Context() as context, context.socket(zmq.SUB) as sub, context.socket(zmq.ROUTER) as router:
-        for make in (
-            *(lambda name=name: USES[name][0](WHERE, context=context) for name in USES if name not in OF_SOCKETS),
-            lambda: ClientCarrier(context, WHERE),
-            lambda: TopicListener(WHERE, socket=sub),
-            lambda: PoseSubscriber(WHERE, stream=sub),
-            lambda: Carrier(router, SideChannelManager, print),
-        ):
-            with pytest.raises(TypeError, match=r"^\w+ is one of zmq.asyncio: take one of zmq, .* asyncio.to_thread$"):
-                make()
 
 
 def test_csharp_classes_name_what_they_cannot_use(checks, start):

@@ -12,16 +12,11 @@ namespace NetMQExample.Tests
 {
     internal static class LocatorChecks
     {
-        public static void Run()
+        public static void Run() => Program.EachLine(line =>
         {
-            for (var line = Console.ReadLine(); line != null; line = Console.ReadLine())
-            {
-                var words = line.Split(' ');
-                Console.WriteLine(words[0] == "culture"
-                    ? Begin(words[1])
-                    : Answer(Read(words[0]), Read(words[1]), Read(words[2])));
-            }
-        }
+            var words = line.Split(' ');
+            return words[0] == "culture" ? Begin(words[1]) : Answer(Read(words[0]), Read(words[1]), Read(words[2]));
+        });
 
         private static string Begin(string name)
         {

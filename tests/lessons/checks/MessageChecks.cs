@@ -23,9 +23,7 @@ namespace NetMQExample.Tests
         {
             Program.WriteNumbersInGerman();
             Console.WriteLine($"here a half is written {0.5}");
-            if (words[0] == "read")
-                for (var line = Console.ReadLine(); line != null; line = Console.ReadLine())
-                    Console.WriteLine(Answer(line));
+            if (words[0] == "read") Program.EachLine(Answer);
             else if (words[0] == "write") Write();
             else if (words[0] == "again") Again(words[1]);
             else Ask(words[1] == "pooled", words[2]);
@@ -33,18 +31,11 @@ namespace NetMQExample.Tests
 
         private static string Answer(string line)
         {
-            try
-            {
-                var message =
-                    Message.Read(line.Split(' ').Select(frame => new ReadOnlyMemory<byte>(Hex.Bytes(frame))).ToArray());
-                var again = message.Arrays.Select(array => array.Data.ToArray())
-                    .Prepend(Encoding.UTF8.GetBytes(message.Header()));
-                return "ok " + string.Join(" ", again.Select(Hex.Digits));
-            }
-            catch (MessageException e)
-            {
-                return $"error {e.Code}";
-            }
+            var message =
+                Message.Read(line.Split(' ').Select(frame => new ReadOnlyMemory<byte>(Hex.Bytes(frame))).ToArray());
+            var again = message.Arrays.Select(array => array.Data.ToArray())
+                .Prepend(Encoding.UTF8.GetBytes(message.Header()));
+            return "ok " + string.Join(" ", again.Select(Hex.Digits));
         }
 
         // Of all threads; .NET has it, and .NET Standard does not know it.

@@ -17,26 +17,10 @@ namespace NetMQExample.Tests
         public static void Run(string[] words)
         {
             Program.WriteNumbersInGerman();
-            if (words[0] == "trees")
-                for (var line = Console.ReadLine(); line != null; line = Console.ReadLine())
-                    Console.WriteLine(Again(line));
-            else if (words[0] == "row")
-                for (var line = Console.ReadLine(); line != null; line = Console.ReadLine())
-                    Console.WriteLine(Row(line));
+            if (words[0] == "trees") Program.EachLine(line => Shown(MessageTree.Read(Hex.Bytes(line))));
+            else if (words[0] == "row") Program.EachLine(Row);
             else if (words[0] == "world") World.Run(words.Last(), words.Skip(1).Take(words.Length - 3));
             else Attributes.Print();
-        }
-
-        private static string Again(string line)
-        {
-            try
-            {
-                return Shown(MessageTree.Read(Hex.Bytes(line)));
-            }
-            catch (MessageException e)
-            {
-                return $"error {e.Code}";
-            }
         }
 
         private static string Row(string line)

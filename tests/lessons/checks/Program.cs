@@ -19,6 +19,16 @@ namespace NetMQExample.Tests
             CultureInfo.CurrentCulture = german;
         }
 
+        /// <summary>The input's lines, each with its answer; or with the code with which it is refused.</summary>
+        public static void EachLine(Func<string, string> answer)
+        {
+            for (var line = Console.ReadLine(); line != null; line = Console.ReadLine())
+            {
+                try { Console.WriteLine(answer(line)); }
+                catch (MessageException e) { Console.WriteLine($"error {e.Code}"); }
+            }
+        }
+
         public static int Whole(string text) => int.Parse(text, CultureInfo.InvariantCulture);
 
         private static int Main(string[] words)

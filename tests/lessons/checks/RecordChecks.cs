@@ -59,9 +59,7 @@ namespace NetMQExample.Tests
         public static void Run(string[] words)
         {
             Program.WriteNumbersInGerman();
-            if (words[0] == "rows")
-                for (var line = Console.ReadLine(); line != null; line = Console.ReadLine())
-                    Console.WriteLine(Answer(line.Split(' ')));
+            if (words[0] == "rows") Program.EachLine(line => Answer(line.Split(' ')));
             else if (words[0] == "spaces") Describe();
             else if (words[0] == "large") Large();
             else foreach (var name in words.Skip(2)) Simulate(name, words[1]);

@@ -28,8 +28,7 @@ namespace NetMQExample.Tests
             else if (words.Length > 0 && words[0] == "plain") Steps(words[2], one => one);
             else if (words.Length == 2 && words[0] == "settings") Settings(Hex.Bytes(words[1]));
             else if (words.Length == 3) Pictures(words[1], int.Parse(words[2]));
-            else for (var line = Console.ReadLine(); line != null; line = Console.ReadLine())
-                Console.WriteLine(Answer(line.Split(' ')));
+            else Program.EachLine(line => Answer(line.Split(' ')));
         }
 
         private static string Answer(string[] words)
