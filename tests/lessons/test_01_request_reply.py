@@ -1,7 +1,5 @@
 """Lesson 01: the happy path of each client, strict alternation, and everything that must not stop the server."""
 
-from __future__ import annotations
-
 import shlex
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """Lesson 02: lost, late and repeated replies, a server that is killed and comes back, and a sum that stays exact."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import random

@@ -1,7 +1,5 @@
 """Lesson 04: frames go on whatever the server does, each request ends once, and the main thread pays nothing for it."""
 
-from __future__ import annotations
-
 import contextlib
 import itertools
 import json

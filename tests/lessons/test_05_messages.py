@@ -1,7 +1,5 @@
 """Lesson 05: each client's message, golden bytes in both languages, and everything that is no message."""
 
-from __future__ import annotations
-
 import array
 import json
 import math

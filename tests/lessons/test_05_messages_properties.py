@@ -1,7 +1,5 @@
 """Lesson 05: what holds for every message, and for everything that is none."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

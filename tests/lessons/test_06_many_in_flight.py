@@ -1,7 +1,5 @@
 """Lesson 06: any order, retries, new sockets, taking turns, and everything that must not stop it."""
 
-from __future__ import annotations
-
 import contextlib
 import itertools
 import socket

@@ -2,8 +2,6 @@
 test_08_see_and_steer.py.
 """
 
-from __future__ import annotations
-
 import contextlib
 import hashlib
 import itertools

@@ -1,7 +1,5 @@
 """Lesson 08, its pictures: JPEG files that no camera wrote are refused before they cost time."""
 
-from __future__ import annotations
-
 import io
 import struct
 

@@ -3,8 +3,6 @@
 What the clients do is in test_08_drive.py.
 """
 
-from __future__ import annotations
-
 import base64
 import csv
 import importlib

@@ -4,8 +4,6 @@ fixtures are those of test_08_see_and_steer.py.
 """
 
 # ruff: noqa: E402, F401, F811
-from __future__ import annotations
-
 import math
 import shutil
 

@@ -2,8 +2,6 @@
 options, actions, words of launch and of the trainer. Faults are in test_09_environment_faults.py.
 """
 
-from __future__ import annotations
-
 import importlib.util
 import itertools
 import os

@@ -3,8 +3,6 @@ Gymnasium's and PettingZoo's own have, take plain spaces, masks and goals, and e
 simulator may be left. Rules for each library, run where that library is installed.
 """
 
-from __future__ import annotations
-
 import copy
 import importlib
 import pickle

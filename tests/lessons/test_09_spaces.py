@@ -2,8 +2,6 @@
 space, batches of them by Gymnasium's rules, and rows that are none.
 """
 
-from __future__ import annotations
-
 import contextlib
 import itertools
 import json

@@ -442,7 +442,7 @@ def test_a_server_serves_on_whatever_comes_and_leaves_its_ports(key, csharp_kind
         more = [*(told(key) if Lesson(key).scheme == "http" else []), *(["--seen"] if kind == "unity" else [])]
         client = run(kind, key, "--endpoint", endpoint, *words, *more)
         assert client.code == 0, client
-        # What the editor's window shows of its messages.
+        # The editor's window shows its messages.
         if kind == "unity" and Lesson(key).scheme == "tcp":
             shown = re.search(r"^shown: (\d+) sent, (\d+) received$", client.lines[-1])
             assert int(shown[2]) > 0 and (int(shown[1]) > 0 or only_publishes(key)), client

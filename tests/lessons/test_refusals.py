@@ -1,6 +1,4 @@
-"""What a door shows names in one line the argument that it cannot use. It is found: a new class is asked as well."""
-
-from __future__ import annotations
+"""Each class and function of a door names in one line the argument that it cannot use. A new one is found, too."""
 
 import asyncio
 import inspect
@@ -16,8 +14,8 @@ from netmq_example.messages import Message
 
 DOORS = ["netmq_example", "netmq_example.camera", "netmq_example.jobs", "netmq_example.security"]
 NAN, WHERE = float("nan"), "tcp://127.0.0.1:5552"
-# An object is wrong for each argument, and these are by its name. What check.py and arguments.py refuse is tried by the
-# first few.
+# An object is wrong for each argument, and these are by its name. The first few try all rules of check.py and
+# arguments.py.
 WRONG: dict[str, list[object]] = {
     "endpoint": [None, "", "127.0.0.1:5552", "tcp://127.0.0.1:99999"],
     "timeout": [0, -1, NAN, float("inf"), "1"],
@@ -73,7 +71,7 @@ def nothing(total, finished, text):
 
 @pytest.fixture
 def right(tmp_path):
-    """What each argument may be, by its name."""
+    """A value that fits each argument, by its name."""
     from netmq_example.jobs import Journal, Kind
     from netmq_example.security import ClientKeys, keys
 

@@ -1,7 +1,5 @@
 """Each Python client of lessons 02 to 08 says in one line what it cannot do, and each C# class what it cannot use."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import pytest
