@@ -21,6 +21,7 @@ from pathlib import Path
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
+from netmq_example.large import send_frames
 from netmq_example.program import listening, run, server_options
 from netmq_example.worker_threads import WorkerThreads
 
@@ -62,12 +63,11 @@ def main() -> None:
                 # Not until there are no more: the replies have their turn, too.
                 for _ in range(MOST):
                     *way, text = socket.recv_multipart(zmq.NOBLOCK)
-                    if len(way) != 2 and way[1:-1] != [b""]:
-                        # Other frames are no request: the reply to an empty text says so.
-                        socket.send_multipart([*way[:3], workers.at_once(b"")])
-                    elif text.startswith(b"echo "):
-                        # To hand an echo to a worker would cost more than to answer it.
-                        socket.send_multipart([*way, workers.at_once(text)])
+                    # Other frames are no request: the reply to an empty text says so.
+                    wrong = len(way) != 2 and way[1:-1] != [b""]
+                    if wrong or text.startswith(b"echo "):
+                        # To hand an echo to a worker would cost more than to answer it, and so would send_multipart.
+                        send_frames(socket, [*way[:3], workers.at_once(b"" if wrong else text)])
                     elif way not in at_work and is_busy(at_work, way[0]):
                         socket.send_multipart([*way, b"error: busy, try again later"])
                     elif way not in at_work:
