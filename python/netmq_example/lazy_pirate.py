@@ -65,7 +65,7 @@ class LazyPirate(Requester):
         attempt = 1
         while not self.stopped.is_set():
             timeout = max(0.0, min(longer(self.timeout, attempt - 1), until() - time.monotonic()))
-            frames = self.exchange(request, time.monotonic() + timeout, until)
+            frames = self.exchange(request, timeout, until)
             if self.is_reply(frames, request):
                 log.debug("%s: %s", self.endpoint, frames)
                 return text_of(frames[1])

@@ -5,8 +5,6 @@ with MessageRequester("tcp://127.0.0.1:5555") as requester:
     print(reply.values)
 """
 
-import time
-
 from netmq_example import arguments, check
 from netmq_example.errors import Closed, Timeout
 from netmq_example.messages import LIMIT, Message
@@ -50,7 +48,7 @@ class MessageRequester(Requester):
             if self.stopped.is_set():
                 raise Closed("this requester is closed: make a new one")
             timeout = longer(self.timeout, attempt - 1)
-            received = self.exchange(frames, time.monotonic() + timeout)
+            received = self.exchange(frames, timeout)
             if received:
                 return Message.read_reply(received)
             trouble = f"no reply within {timeout:g} s"

@@ -89,16 +89,19 @@ class Requester(Client):
             self.socket.connect(where)
         return self.socket
 
-    def exchange(self, request: list[bytes], end: float, until: Callable[[], float] = lambda: math.inf) -> list[Any]:
-        """One try: the frames that came back, if any, before either time of time.monotonic()."""
+    def exchange(
+        self, request: list[bytes], timeout: float, until: Callable[[], float] = lambda: math.inf
+    ) -> list[Any]:
+        """One try: the frames that came back, if any, within so many seconds, and until a time of time.monotonic()."""
+        end = time.monotonic() + timeout
+        left = timeout
         frames: list[Any] = []
         try:
             socket = self.connected(end)
             # Without waiting: after a peer that broke the protocol there may be no connection to send on.
             socket.send_multipart(request, zmq.NOBLOCK, copy=self.copies)
-            while (left := min(end, until()) - time.monotonic()) > 0 and not self.stopped.is_set():
-                if socket.poll(min(SLICE_MS, int(left * 1000) + 1)):
-                    break
+            while left > 0 and not self.stopped.is_set() and not socket.poll(min(SLICE_MS, int(left * 1000) + 1)):
+                left = min(end, until()) - time.monotonic()
             frames = socket.recv_multipart(zmq.NOBLOCK, copy=self.copies)
         except zmq.Again:
             pass
