@@ -13,10 +13,8 @@ using NetMQ.Sockets;
 
 namespace NetMQExample
 {
-    /// <summary>
-    /// Asks a REP server over one REQ socket. Make it, use it and dispose it on one thread, and not on Unity's main
-    /// thread: a request blocks until its reply is there.
-    /// </summary>
+    /// <summary>Asks a REP server over one REQ socket. Make it, use it and dispose it on one thread, and not on Unity's
+    /// main thread: a request blocks until its reply is there.</summary>
     public sealed class HelloRequester : IDisposable
     {
         private readonly NetMQLifetime lifetime = new NetMQLifetime();
@@ -50,7 +48,6 @@ namespace NetMQExample
         /// <param name="text">The request, sent as UTF-8.</param>
         /// <param name="timeout">How long to wait: until it is sent, and then for the reply.</param>
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
-        /// <returns>The reply's text.</returns>
         /// <exception cref="TimeoutException">No reply came. This requester can only be disposed now.</exception>
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
         /// <exception cref="ObjectDisposedException">After Dispose.</exception>
@@ -63,7 +60,6 @@ namespace NetMQExample
         /// <summary>The first half of a request. It waits when there is no connection to send on, as after a peer that
         /// is not ZeroMQ.</summary>
         /// <param name="text">The request, sent as UTF-8.</param>
-        /// <param name="timeout">How long to wait for a connection.</param>
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
         /// <exception cref="ArgumentException">The text has more than 65,536 bytes.</exception>
         /// <exception cref="FiniteStateMachineException">The reply to the last request was not received
@@ -84,9 +80,7 @@ namespace NetMQExample
         }
 
         /// <summary>The second half: waits for the reply, as <see cref="Request"/> does.</summary>
-        /// <param name="timeout">How long to wait for the reply.</param>
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
-        /// <returns>The reply's text.</returns>
         public string Receive(TimeSpan? timeout = null, CancellationToken stop = default)
         {
             var limit = timeout ?? this.timeout;

@@ -15,10 +15,8 @@ using Stopwatch = System.Diagnostics.Stopwatch;
 
 namespace NetMQExample
 {
-    /// <summary>
-    /// Asks a server over one REQ socket at a time, again and again. Make it, use it and dispose it on one thread, and
-    /// not on Unity's main thread: a request blocks until it is answered or given up.
-    /// </summary>
+    /// <summary>Asks a server over one REQ socket at a time, again and again. Make it, use it and dispose it on one
+    /// thread, and not on Unity's main thread: a request blocks until it is answered or given up.</summary>
     public sealed class LazyPirateRequester : IDisposable
     {
         // Before a request is sent again after a wrong reply: without it, 5 tries are over in a millisecond.
@@ -56,7 +54,6 @@ namespace NetMQExample
         /// <param name="text">The request, sent as UTF-8.</param>
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
         /// <param name="within">How long all tries take together, at most; without it as long as each may.</param>
-        /// <returns>The reply's text.</returns>
         /// <exception cref="TimeoutException">No try was answered. The request may have been done all the
         /// same.</exception>
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>

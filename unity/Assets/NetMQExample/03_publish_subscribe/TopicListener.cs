@@ -52,7 +52,6 @@ namespace NetMQExample
         /// <summary>Waits for the next message, and so not for Unity's main thread.</summary>
         /// <param name="timeout">How long to wait; zero takes only what is there.</param>
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
-        /// <returns>Its text.</returns>
         /// <exception cref="TimeoutException">None came.</exception>
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
         public string Receive(TimeSpan timeout, CancellationToken stop = default) =>
@@ -88,9 +87,7 @@ namespace NetMQExample
 
         /// <summary>Waits for a message, then takes all that wait behind it: only the last one counts. (libzmq can keep
         /// the newest by itself, with CONFLATE; NetMQ has no such option.)</summary>
-        /// <param name="timeout">How long to wait for a message.</param>
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
-        /// <returns>Its text.</returns>
         /// <exception cref="TimeoutException">None came.</exception>
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
         public string Newest(TimeSpan timeout, CancellationToken stop = default)

@@ -13,7 +13,6 @@ namespace NetMQExample
         /// <summary>Sends a request. Its task ends inside Poll, and what awaits it goes on there.</summary>
         /// <param name="text">The request, sent as UTF-8.</param>
         /// <param name="cancel">Ends the wait at once. The server may do the request all the same.</param>
-        /// <returns>The reply's text.</returns>
         /// <exception cref="TimeoutException">No try was answered; the request may have been done all the
         /// same.</exception>
         /// <exception cref="GaveUpException">Refused: too many requests are under way.</exception>

@@ -22,10 +22,8 @@ using NetMQ.Sockets;
 
 namespace NetMQExample
 {
-    /// <summary>
-    /// Keeps up to a window of requests under way over one DEALER socket at a time. Make it, use it and dispose it on
-    /// one thread, and not on Unity's main thread.
-    /// </summary>
+    /// <summary>Keeps up to a window of requests under way over one DEALER socket at a time. Make it, use it and
+    /// dispose it on one thread, and not on Unity's main thread.</summary>
     public sealed class ManyRequester : IDisposable
     {
         /// <summary>The outcome of one request.</summary>

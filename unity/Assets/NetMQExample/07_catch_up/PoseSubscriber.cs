@@ -43,7 +43,6 @@ namespace NetMQExample
         public Quaternion Rotation { get; }
 
         /// <summary>Reads a message; null if it is no pose, since anybody can publish on a port.</summary>
-        /// <returns>What it says.</returns>
         public static PoseMessage Parse(string message) =>
             Regex.IsMatch(message, Shape) ? new PoseMessage(message.Split(' ')) : null;
     }

@@ -52,7 +52,6 @@ namespace NetMQExample
         internal bool Once { get; set; }
 
         /// <summary>Serves until it is closed.</summary>
-        /// <param name="simulator">What answers.</param>
         /// <param name="count">Or until it is asked for more episodes than this; 0 is no limit.</param>
         /// <param name="perform">Calls what it is given, on the simulation's own thread, and returns then. While the
         /// simulator is waiting, it is called once for each frame.</param>

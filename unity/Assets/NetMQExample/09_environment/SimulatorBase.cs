@@ -74,8 +74,6 @@ namespace NetMQExample
         public abstract Message Describe();
 
         /// <summary>Resets or steps, and says what is seen then.</summary>
-        /// <param name="request">What is asked.</param>
-        /// <param name="answer">Takes what is seen.</param>
         /// <param name="again">False at first; true when a frame has passed for it.</param>
         /// <returns>Whether it is done; else a frame must pass, and then it is called again.</returns>
         public abstract bool Do(StepRequest request, StepAnswer answer, bool again);

@@ -55,7 +55,6 @@ namespace NetMQExample
         public string PublicKey => own.PublicKeyZ85;
 
         /// <summary>Somebody whom the server does not know: a new pair, which is kept nowhere.</summary>
-        /// <returns>The keys of a stranger.</returns>
         public ClientKeys Stranger() => new ClientKeys(server, new NetMQCertificate());
 
         /// <summary>Gives a socket these keys. Call it before Connect.</summary>

@@ -76,7 +76,6 @@ namespace NetMQExample
         }
 
         /// <summary>Looks whether the reply has come. Call it once a frame until it has.</summary>
-        /// <param name="frames">Its frames.</param>
         /// <returns>False if it has not, and after Dispose.</returns>
         /// <exception cref="TimeoutException">It has not come in time.</exception>
         /// <exception cref="IOException">The gateway does not let this client in.</exception>
@@ -113,7 +112,6 @@ namespace NetMQExample
         protected virtual bool IsReady => true;
 
         /// <summary>Writes a request.</summary>
-        /// <param name="frames">Its frames.</param>
         protected abstract string Write(string[] frames);
 
         /// <summary>Reads a message, and hands a reply to <see cref="Answer"/>.</summary>

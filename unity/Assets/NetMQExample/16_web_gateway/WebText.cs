@@ -18,7 +18,6 @@ namespace NetMQExample
             value ?? throw new ArgumentNullException(null, $"{name} must not be null");
 
         /// <summary>Reads JSON.</summary>
-        /// <param name="text">Whatever came.</param>
         /// <returns>A list, or an object; one that says so as <c>error</c> if it is neither.</returns>
         public static JToken Parse(string text)
         {
@@ -33,9 +32,7 @@ namespace NetMQExample
             return new JObject { ["error"] = NoGateway };
         }
 
-        /// <summary>As LogText's, which a WebGL build does not have: no control characters, and not too
-        /// long.</summary>
-        /// <param name="text">Whatever came.</param>
+        /// <summary>As LogText's, which a WebGL build does not have: no control characters, and not too long.</summary>
         /// <returns>At most 200 characters and an ellipsis.</returns>
         public static string Printable(string text)
         {

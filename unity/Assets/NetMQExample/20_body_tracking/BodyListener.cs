@@ -46,7 +46,6 @@ namespace NetMQExample
         public bool Restarted { get; private set; }
 
         /// <summary>Waits for a pose, and so not on Unity's main thread.</summary>
-        /// <param name="timeout">How long to wait.</param>
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
         /// <returns>The newest one.</returns>
         /// <exception cref="TimeoutException">None came.</exception>

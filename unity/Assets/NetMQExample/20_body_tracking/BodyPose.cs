@@ -41,7 +41,6 @@ namespace NetMQExample
         public double[] Visibility { get; }
 
         /// <summary>Reads a message.</summary>
-        /// <param name="message">A message that the server has published.</param>
         /// <returns>Null if it is no pose, since anybody can publish on a port.</returns>
         public static BodyPose Parse(string message)
         {

@@ -31,7 +31,6 @@ namespace NetMQExample
         public double[] Values { get; }
 
         /// <summary>Moves the values towards the target.</summary>
-        /// <param name="target">The newest numbers; the same ones again, where nothing newer has come.</param>
         /// <param name="dt">Seconds since the step before.</param>
         public void Step(double[] target, double dt)
         {

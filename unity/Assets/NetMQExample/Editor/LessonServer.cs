@@ -89,8 +89,7 @@ namespace NetMQExample.Editor
             return new LessonServer(null, log);
         }
 
-        /// <summary>Ends it: where the system can ask, it is asked, and closes what it writes; else at
-        /// once.</summary>
+        /// <summary>Ends it: where the system can ask, it is asked, and closes what it writes; else at once.</summary>
         public void Stop()
         {
             try { End(); }

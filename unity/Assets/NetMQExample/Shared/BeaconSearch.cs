@@ -76,7 +76,6 @@ namespace NetMQExample
         public bool Unanswered => vain > 0;
 
         /// <summary>The cure where nothing came: the network, as long as nobody has answered.</summary>
-        /// <param name="otherwise">The cure in any other case.</param>
         public string Cure(string otherwise)
         {
             if (vain == 0) return otherwise;

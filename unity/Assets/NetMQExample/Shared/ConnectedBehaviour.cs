@@ -36,7 +36,6 @@ namespace NetMQExample
             : throw new ArgumentException($"timeout must be more than 0 s and at most a day, not {timeout}");
 
         /// <summary>Logs why it has ended, and keeps it.</summary>
-        /// <param name="why">Cause and cure.</param>
         protected void GiveUp(string why)
         {
             LastError = why;
@@ -68,7 +67,6 @@ namespace NetMQExample
 
         /// <summary>iOS and Android take the sockets of an app that is not seen: they are closed before, and the lesson
         /// begins again when the app is back.</summary>
-        /// <param name="paused">True when it goes.</param>
         protected virtual void OnApplicationPause(bool paused)
         {
             if (!Application.isMobilePlatform || !isActiveAndEnabled) return;

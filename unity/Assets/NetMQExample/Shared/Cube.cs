@@ -19,7 +19,6 @@ namespace NetMQExample
         /// <summary>Makes a cube.</summary>
         /// <param name="size">In metres.</param>
         /// <param name="colour">Of all sides; none: white.</param>
-        /// <param name="parent">The object that it moves with.</param>
         public static Transform Make(Vector3 size, Color32? colour = null, Transform parent = null)
         {
             var cube = Shape(PrimitiveType.Cube, colour, parent);
@@ -29,7 +28,6 @@ namespace NetMQExample
 
         /// <summary>Makes any of Unity's shapes.</summary>
         /// <param name="colour">Of all sides; none: white.</param>
-        /// <param name="parent">The object that it moves with.</param>
         public static Transform Shape(PrimitiveType type, Color32? colour = null, Transform parent = null)
         {
             var shape = GameObject.CreatePrimitive(type).transform;

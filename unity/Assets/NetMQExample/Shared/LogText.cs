@@ -17,8 +17,6 @@ namespace NetMQExample
                 ? e.Message : e.ToString();
 
         /// <summary>Makes a peer's text fit for one line: no control characters, cut to a readable length.</summary>
-        /// <param name="text">Whatever came.</param>
-        /// <param name="most">How many characters are a readable length.</param>
         /// <returns>At most so many characters and an ellipsis; a question mark for each one that cannot be
         /// shown.</returns>
         public static string Printable(string text, int most = 200)

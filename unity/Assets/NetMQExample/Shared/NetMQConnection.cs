@@ -74,8 +74,6 @@ namespace NetMQExample
 
         /// <summary>How long to wait after so many tries in vain: each time twice as long, up to 8 times the first. A
         /// new connection takes several round trips. On a slow line only a longer wait ever succeeds.</summary>
-        /// <param name="first">How long the first try waits.</param>
-        /// <param name="tries">How many were in vain.</param>
         public static TimeSpan Longer(TimeSpan first, int tries) => first * (1 << Math.Min(tries, 3));
 
         /// <summary>Sets up every socket of this kit before it connects, such as with lesson 15's keys:
@@ -117,7 +115,6 @@ namespace NetMQExample
         }
 
         /// <summary>A frame's text. A message's is that of all its frames, with a blank between them.</summary>
-        /// <param name="frame">Its bytes.</param>
         /// <returns>The text; of a frame that is no UTF-8 how long it is, in brackets.</returns>
         public static string Text(byte[] frame)
         {
@@ -126,7 +123,6 @@ namespace NetMQExample
         }
 
         /// <summary>Closes a socket, with what it has not sent yet.</summary>
-        /// <param name="socket">The socket, or null.</param>
         public static void Close(NetMQSocket socket)
         {
             try { socket?.Dispose(); }
@@ -134,9 +130,6 @@ namespace NetMQExample
         }
 
         /// <summary>Makes the exception for when nothing came, or there was nowhere to send to.</summary>
-        /// <param name="timeout">How long it was waited for.</param>
-        /// <param name="cure">The cure, as a question.</param>
-        /// <returns>Cause and cure, in one line.</returns>
         public static TimeoutException NoReply(string endpoint, TimeSpan timeout,
             string cure = "is the server running, or its reply over 64 KB?") => new TimeoutException(
             FormattableString.Invariant($"no reply from {endpoint} within {timeout.TotalSeconds} s; {cure}"));
@@ -145,19 +138,16 @@ namespace NetMQExample
             NoReply(endpoint, timeout, Cure($"is the server running, or its reply over {maxBytes >> 10} KB?"));
 
         /// <summary>The cure where nothing came: the network, as long as a beacon has not answered.</summary>
-        /// <param name="otherwise">The cure in any other case.</param>
         public string Cure(string otherwise) => search?.Cure(otherwise) ?? otherwise;
 
         public static string Tries(int tries) => tries == 1 ? "1 try" : $"{tries} tries";
 
         /// <summary>Makes the exception for calls after Dispose.</summary>
-        /// <returns>Cause and cure, in one line.</returns>
         public static ObjectDisposedException Disposed(string endpoint) =>
             new ObjectDisposedException(null, $"what was connected to {endpoint} is disposed; make a new one");
 
         /// <summary>The time to wait, cut into slices; between two of them <paramref name="stop"/> is heard.</summary>
         /// <param name="timeout">How long to wait; zero gives one slice, of zero.</param>
-        /// <param name="stop">Ends the wait early.</param>
         /// <returns>Timeouts to give to a method of NetMQ's until it succeeds.</returns>
         /// <exception cref="ArgumentException">The timeout is negative.</exception>
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
@@ -189,7 +179,6 @@ namespace NetMQExample
         public void Show(bool sent, IEnumerable frames) => Show(endpoint, sent, frames);
 
         /// <summary>Sends a message, and waits when there is no connection to send on.</summary>
-        /// <param name="timeout">How long to wait for a connection.</param>
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
         /// <param name="frames">Its frames, sent as UTF-8.</param>
         /// <returns>False if it was not sent.</returns>
@@ -208,7 +197,6 @@ namespace NetMQExample
         }
 
         /// <summary>Waits for a message.</summary>
-        /// <param name="timeout">How long to wait.</param>
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
         /// <param name="frames">Its frames, as text. However many there are, they are one message.</param>
         /// <returns>False if none came.</returns>

@@ -11,10 +11,9 @@ using Stopwatch = System.Diagnostics.Stopwatch;
 
 namespace NetMQExample
 {
-    /// <summary>
-    /// One user of NetMQ's process-wide state. Make it on the network thread before the first socket and dispose it
-    /// there after the last: <c>using var lifetime = new NetMQLifetime(); using var socket = new RequestSocket();</c>
-    /// </summary>
+    /// <summary>One user of NetMQ's process-wide state. Make it on the network thread before the first socket and
+    /// dispose it there after the last: <c>using var lifetime = new NetMQLifetime(); using var socket = new
+    /// RequestSocket();</c></summary>
     public sealed class NetMQLifetime : IDisposable
     {
         // NetMQ cleans up within milliseconds, or not at all; on a machine that is too busy for anything else within

@@ -73,7 +73,6 @@ namespace NetMQExample
         }
 
         /// <summary>Has something made in Update, and waits for it. For the network thread.</summary>
-        /// <param name="make">It may touch the scene.</param>
         protected T FromUpdate<T>(Func<T> make)
         {
             var task = new Task<T>(make);

@@ -16,7 +16,6 @@ namespace NetMQExample.Tests
 
         /// <summary>An object with this component, whose every endpoint is the one given.</summary>
         /// <param name="beside">One that it needs, or null.</param>
-        /// <param name="endpoint">Its server.</param>
         /// <param name="fields">Other fields to set, if it has them.</param>
         public static MonoBehaviour Play(
             Type client, Type beside, string endpoint, params (string Name, object Value)[] fields)

@@ -25,7 +25,6 @@ namespace NetMQExample.MLAgents.Sensors
         public RayPerceptionOutput RayPerceptionOutput { get; } = new RayPerceptionOutput();
 
         /// <summary>Casts rays now.</summary>
-        /// <param name="input">The rays.</param>
         /// <param name="batched">Nothing here depends on it.</param>
         public static RayPerceptionOutput Perceive(RayPerceptionInput input, bool batched = false)
         {
@@ -187,8 +186,6 @@ namespace NetMQExample.MLAgents.Sensors
             public float ScaledRayLength => (EndPositionWorld - StartPositionWorld).magnitude;
 
             /// <summary>Writes its numbers: 1 at its tag, 1 if it has met nothing, and how far it came.</summary>
-            /// <param name="numDetectableTags">How many tags there are.</param>
-            /// <param name="rayIndex">Which ray it is.</param>
             /// <param name="buffer">The numbers of all rays, which are 0 before.</param>
             public void ToFloatArray(int numDetectableTags, int rayIndex, float[] buffer)
             {
