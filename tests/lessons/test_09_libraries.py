@@ -628,6 +628,24 @@ def test_skrl_knows_each_of_them():
         wrapped.close()
 
 
+@pytest.mark.long
+def test_torchrl_makes_one_by_its_id():
+    torchrl = needs("torchrl.envs")
+    envs_ = gymnasium.make_vec(ID, 4, launch=client(*POLES, "4"), autoreset_mode="SameStep")
+    for env in torchrl.GymEnv(ID, launch=client("09_environment")), torchrl.GymWrapper(envs_):
+        env.rollout(5)
+        env.close()
+
+
+@pytest.mark.long
+def test_agilerl_tells_the_dead_what_to_do():
+    env = needs("agilerl.vector.pz_async_vec_env").AsyncPettingZooVecEnv([pursuit] * 2)
+    env.reset(seed=1)
+    for _ in range(120):
+        env.step({agent: np.array([env.single_action_space(agent).sample() for _ in "ab"]) for agent in env.agents})
+    env.close()
+
+
 def test_what_the_dead_are_told_is_passed_over(inside, make):
     class Short(Picky):
         def on_stepped(self):
@@ -641,3 +659,20 @@ def test_what_the_dead_are_told_is_passed_over(inside, make):
         env.step(dict.fromkeys(env.possible_agents, 1 - age % 2))
         left.append(len(env.agents))
     assert left == [2, 1, 0, 0]
+
+
+@pytest.mark.long
+def test_rllib_has_many_agents_by_their_vector_entry_point():
+    config = needs("torch") and needs("ray.rllib.algorithms.ppo").PPOConfig()
+    ray = needs("ray")
+    ray.init(num_cpus=2, include_dashboard=False)
+    config = config.environment(f"netmq_example.envs:{ID}", env_config={"launch": client(*POLES, "4")})
+    config = config.env_runners(
+        num_env_runners=1, num_envs_per_env_runner=4, gym_env_vectorize_mode="vector_entry_point"
+    )
+    algorithm = config.training(train_batch_size_per_learner=256, num_epochs=1, minibatch_size=64).build_algo()
+    try:
+        assert algorithm.train()["env_runners"]["episode_return_mean"] > 0
+    finally:
+        algorithm.stop()
+        ray.shutdown()
