@@ -6,7 +6,8 @@
 //
 // Values are texts, numbers, true and false by name. A reply has the request's id, and its kind is "ok", or "error"
 // with the values "code", for programs, and "text", for people. Fields that this version does not know are ignored.
-// It needs MessageReader.cs and MessageWriter.cs, and neither NetMQ nor UnityEngine. The Python side is messages.py.
+// It needs MessageReader.cs, MessageWriter.cs and MessageNumbers.cs, and neither NetMQ nor UnityEngine. The Python side
+// is messages.py.
 using System;
 using System.Collections.Generic;
 using System.Globalization;
@@ -94,6 +95,10 @@ namespace NetMQExample
 
         // Whole numbers nearer to zero than this are exact in every JSON reader, also in one that knows only doubles.
         private const long Exact = 1L << 53;
+        private static readonly string[] Fields = { "version", "kind", "id", "values", "arrays" };
+        private static readonly string[] ArrayFields = { "dtype", "shape" };
+        private readonly MessageNumbers numbers;
+        private readonly int[] places = new int[Fields.Length];
 
         /// <summary>A message without values and arrays, to which both can be added.</summary>
         public Message(string kind, long id = 0)
@@ -102,11 +107,15 @@ namespace NetMQExample
             Id = id;
         }
 
+        /// <summary>One that is used again: numbers that come into it, by reading or by <see cref="Begin"/>, stay
+        /// valid until the next time.</summary>
+        internal Message(MessageNumbers numbers) : this("") => this.numbers = numbers;
+
         /// <summary>What is asked for; of a reply, "ok" or "error".</summary>
-        public string Kind { get; }
+        public string Kind { get; private set; }
 
         /// <summary>The number of the request, which its reply repeats.</summary>
-        public long Id { get; }
+        public long Id { get; private set; }
 
         /// <summary>Each is a string, bool, long or double; int and float may be written too.</summary>
         public Dictionary<string, object> Values { get; } = new Dictionary<string, object>();
@@ -124,7 +133,10 @@ namespace NetMQExample
             json.Begin().Add("{\"kind\":").Text(Kind).Add(",\"version\":").Whole(Version).Add(",\"id\":").Whole(Id);
             json.Add(",\"values\":{");
             foreach (var value in Values)
-                json.Comma().Text(value.Key).Add(":").Value(Checked(value.Key, value.Value));
+            {
+                Check(value.Key, value.Value);
+                json.Comma().Text(value.Key).Add(":").Value(value.Value);
+            }
             json.Add("},\"arrays\":[");
             var size = 0L;
             foreach (var array in Arrays)
@@ -149,39 +161,53 @@ namespace NetMQExample
 
         /// <summary>The message in the frames that were received, whose arrays are not copied.</summary>
         /// <exception cref="MessageException">They are no message; its text says why.</exception>
-        public static Message Read(IReadOnlyList<ReadOnlyMemory<byte>> frames)
+        public static Message Read(IReadOnlyList<ReadOnlyMemory<byte>> frames) => new Message("").ReadAgain(frames);
+
+        /// <summary>The same into this one.</summary>
+        internal Message ReadAgain(IReadOnlyList<ReadOnlyMemory<byte>> frames)
         {
             var size = 0L;
             for (var i = 1; i < frames.Count; i++) size += frames[i].Length;
             RefuseTooLarge(frames[0].Length, size);
-            var json = new MessageReader(frames[0].Span);
+            var json = new MessageReader(frames[0].Span, numbers);
+            json.Find(Fields, places);
+            json.End();
             // The version comes first: another one may have other fields.
-            json.Go(0, "version", "whole number");
-            if (MessageReader.Whole(json.Skip()) != Version)
+            json.Go(places[0], "version", "whole number");
+            if (json.Whole() != Version)
                 throw new MessageException("bad-version", $"not version {Version}: are both sides of one release?");
-            json.Go(0, "kind", "text");
+            json.Go(places[1], "kind", "text");
             var kind = json.Text();
-            json.Go(0, "id", "whole number");
-            var message = new Message(kind, MessageReader.Whole(json.Skip()));
-            json.Go(0, "values", "dict");
-            if (message.Id < 0 || message.Id >= Exact)
-                throw new MessageException("bad-value", "'id' must be 0 to 2**53 - 1");
+            json.Go(places[2], "id", "whole number");
+            Begin(kind, json.Whole());
+            json.Go(places[3], "values", "dict");
+            if (Id < 0 || Id >= Exact) throw new MessageException("bad-value", "'id' must be 0 to 2**53 - 1");
             for (var more = json.Into(); more; more = json.More('}'))
             {
                 var name = json.Name();
-                message.Values[name] = json.Value();
+                Values[name] = json.Value();
             }
-            foreach (var value in message.Values) Checked(value.Key, value.Value);
-            json.Go(0, "arrays", "list");
-            var (arrays, count) = (json.At, 0);
-            for (var more = json.Into(); more; more = json.More(']'), count++) json.Skip();
+            foreach (var value in Values) Check(value.Key, value.Value);
+            json.Go(places[4], "arrays", "list");
+            var count = json.Count();
             if (count != frames.Count - 1)
                 throw new MessageException("bad-frames",
                     $"the header lists {count} arrays, but {frames.Count - 1} frames follow it");
-            json.At = arrays;
             for (var more = json.Into(); more; more = json.More(']'))
-                message.Arrays.Add(ReadArray(ref json, frames[message.Arrays.Count + 1]));
-            return message;
+                Arrays.Add(ReadArray(ref json, frames[Arrays.Count + 1]));
+            return this;
+        }
+
+        /// <summary>Empties it.</summary>
+        /// <returns>Where it has its numbers.</returns>
+        internal MessageNumbers Begin(string kind, long id)
+        {
+            Kind = kind;
+            Id = id;
+            Values.Clear();
+            Arrays.Clear();
+            numbers?.Clear();
+            return numbers;
         }
 
         /// <summary>This reply, unless it is an error, which is thrown.</summary>
@@ -195,15 +221,17 @@ namespace NetMQExample
 
         private static MessageArray ReadArray(ref MessageReader json, ReadOnlyMemory<byte> data)
         {
-            var (start, count, items) = (json.At, 0, 1.0);
-            json.Go(start, "dtype", "text");
+            var found = new int[2];
+            json.Find(ArrayFields, found);
+            var end = json;
+            json.Go(found[0], "dtype", "text");
             var dtype = json.Text();
+            json.Go(found[1], "shape", "list");
             Span<int> shape = stackalloc int[8];
-            json.Go(start, "shape", "list");
+            var (count, items) = (0, 1.0);
             for (var more = json.Into(); more; more = json.More(']'))
             {
-                var word = json.Skip();
-                var length = MessageReader.IsWhole(word) ? MessageReader.Whole(word) : -1;
+                var length = json.Whole();
                 // Its items are counted also where a 0 makes nothing of them: numpy takes no larger shape.
                 items *= Math.Max(1, length);
                 if (length < 0 || items > LimitBytes || count == shape.Length)
@@ -211,22 +239,27 @@ namespace NetMQExample
                         $"a shape is at most 8 whole numbers, of at most {LimitBytes} items");
                 shape[count++] = (int)length;
             }
-            json.At = start;
-            json.Skip();
+            json = end;
             return new MessageArray(dtype, data, shape.Slice(0, count).ToArray());
         }
 
-        internal static object Checked(string name, object value)
+        private static void Check(string name, object value)
         {
-            if (value is string || value is bool) return value;
-            if (!(value is int || value is long || value is float || value is double))
-                throw new MessageException("wrong-type",
-                    $"value {MessageWriter.Shown(name)} must be text, a number, true or false");
-            var most = value is float || value is double ? double.PositiveInfinity : Exact;
+            if (value is string || value is bool) return;
+            var (number, isWhole) = value switch
+            {
+                long whole => (whole, true),
+                int whole => (whole, true),
+                double real => (real, false),
+                float real => (real, false),
+                MessageNumber again => (again.Real, again.IsWhole),
+                _ => throw new MessageException("wrong-type",
+                    $"value {MessageWriter.Shown(name)} must be text, a number, true or false"),
+            };
             // NaN is not less than anything.
-            if (Math.Abs(Convert.ToDouble(value, CultureInfo.InvariantCulture)) < most) return value;
-            throw new MessageException("bad-value",
-                $"value {MessageWriter.Shown(name)} is not finite, or too large to be exact");
+            if (!(Math.Abs(number) < (isWhole ? Exact : double.PositiveInfinity)))
+                throw new MessageException("bad-value",
+                    $"value {MessageWriter.Shown(name)} is not finite, or too large to be exact");
         }
     }
 }

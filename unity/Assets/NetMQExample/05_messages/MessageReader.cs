@@ -2,8 +2,7 @@
 // nothing but texts, numbers, true, false, lists and dictionaries, and IL2CPP has nothing to strip.
 //
 // Two languages must agree on what is a message, so it takes what RFC 8259 has, and no more: no comments, no NaN, no
-// comma too many, and no \ud800, which is half a character. The whole text is looked at first, so that its fields can
-// be read in any order.
+// comma too many, and no \ud800, which is half a character.
 using System;
 using System.Buffers.Text;
 using System.Collections.Generic;
@@ -13,7 +12,8 @@ using System.Text;
 
 namespace NetMQExample
 {
-    /// <summary>Whole numbers are long, other numbers double, lists List&lt;object&gt;, objects Dictionary.</summary>
+    /// <summary>Whole numbers are long, other numbers double, lists List&lt;object&gt;, objects Dictionary. Where it is
+    /// no JSON, all of it throws a MessageException.</summary>
     internal ref struct MessageReader
     {
         // Python takes no longer whole number, and no header nests as deep.
@@ -27,52 +27,69 @@ namespace NetMQExample
 
         // Only read. Mono lacks the indexer of a ReadOnlySpan that C# asks for.
         private readonly Span<byte> bytes;
+        private readonly MessageNumbers numbers;
+        private int at;
 
-        /// <summary>Looks at a whole JSON text, and goes to its beginning.</summary>
-        /// <exception cref="MessageException">It is none, or deeper than any header.</exception>
-        public MessageReader(ReadOnlySpan<byte> bytes)
+        /// <summary>Begins at a JSON text; its numbers go into boxes of their own, or into these.</summary>
+        public MessageReader(ReadOnlySpan<byte> bytes, MessageNumbers numbers = null)
         {
             this.bytes = MemoryMarshal.CreateSpan(ref MemoryMarshal.GetReference(bytes), bytes.Length);
-            At = 0;
-            Skip();
-            if (Next() >= 0) throw Wrong("more follows it");
-            At = 0;
+            this.numbers = numbers;
+            at = 0;
         }
 
-        /// <summary>Where it is.</summary>
-        public int At { get; set; }
+        /// <summary>What a whole JSON text means.</summary>
+        public static object Read(ReadOnlySpan<byte> bytes)
+        {
+            var json = new MessageReader(bytes);
+            var value = json.Value();
+            json.End();
+            return value;
+        }
 
-        /// <summary>Goes to the value of a field. Of two with one name the last counts.</summary>
-        /// <param name="from">Where the object begins.</param>
+        /// <summary>Finds fields of the object that begins here, and goes behind it. Of two with one name the last
+        /// counts.</summary>
+        /// <param name="names">The fields.</param>
+        /// <param name="places">Gets where the value of each begins; 0: nowhere, -1: here is no object.</param>
+        public void Find(string[] names, int[] places)
+        {
+            var isObject = Next() == '{';
+            Array.Fill(places, isObject ? 0 : -1);
+            if (!isObject) Skip();
+            for (var more = isObject && Into(); more; more = More('}'))
+            {
+                var field = Array.IndexOf(names, Name());
+                if (field >= 0) places[field] = at;
+                Read(false, Deepest - 1);
+            }
+        }
+
+        /// <summary>Goes to the value of a field.</summary>
+        /// <param name="place">Where it was found.</param>
         /// <param name="name">The field.</param>
         /// <param name="what">Its kind: "text", "whole number", "list" or "dict".</param>
-        public void Go(int from, string name, string what)
+        public void Go(int place, string name, string what)
         {
-            var found = -1;
-            At = from;
-            if (Next() != '{') throw new MessageException("wrong-type", $"expected an object with '{name}'");
-            for (var more = Into(); more; more = More('}'))
-            {
-                if (Name() == name) found = At;
-                Skip();
-            }
-            if (found < 0) throw new MessageException("missing-field", $"there is no '{name}'");
-            At = found;
-            var word = Skip();
-            var kind = word[0] == '"' ? "text" : word[0] == '[' ? "list" : word[0] == '{' ? "dict"
-                : IsWhole(word) ? "whole number" : "";
-            if (kind != what) throw new MessageException("wrong-type", $"'{name}' must be a {what}");
-            At = found;
+            if (place < 0) throw new MessageException("wrong-type", $"expected an object with '{name}'");
+            if (place == 0) throw new MessageException("missing-field", $"there is no '{name}'");
+            at = place;
+            if (Kind() != what) throw new MessageException("wrong-type", $"'{name}' must be a {what}");
         }
 
-        /// <summary>Goes into a list, or an object, that begins here.</summary>
+        /// <summary>Refuses what follows.</summary>
+        public void End()
+        {
+            if (Next() >= 0) throw Wrong("more follows it");
+        }
+
+        /// <summary>Goes into the list, or the object, that begins here.</summary>
         /// <returns>Whether there is anything in it; then <see cref="More"/> goes on.</returns>
         public bool Into()
         {
             var close = Next() + 2;
-            At++;
+            at++;
             if (Next() != close) return true;
-            At++;
+            at++;
             return false;
         }
 
@@ -86,37 +103,55 @@ namespace NetMQExample
             return false;
         }
 
-        /// <summary>The name of a field, whose value follows.</summary>
-        public string Name(bool make = true)
+        /// <summary>How many items the list has that begins here.</summary>
+        public int Count()
         {
-            var name = Text(make);
-            Expect(':');
-            return name;
+            var (start, count) = (at, 0);
+            for (var more = Into(); more; more = More(']'), count++) Skip();
+            at = start;
+            return count;
+        }
+
+        /// <summary>The name of a field, whose value follows.</summary>
+        public string Name() => Name(true);
+
+        /// <summary>The text that begins here.</summary>
+        public string Text() => Text(true);
+
+        /// <summary>A whole number; -1 is any other value as well.</summary>
+        public long Whole()
+        {
+            var isWhole = Kind() == "whole number";
+            var word = Skip();
+            return isWhole ? Whole(word) : -1;
         }
 
         /// <summary>Any value.</summary>
         public object Value() => Read(true, Deepest);
 
-        /// <summary>Goes past a value.</summary>
-        /// <returns>Its bytes.</returns>
-        public Span<byte> Skip()
+        private Span<byte> Skip()
         {
             Next();
-            var start = At;
+            var start = at;
             Read(false, Deepest);
-            return bytes.Slice(start, At - start);
+            return bytes.Slice(start, at - start);
         }
 
-        /// <summary>Whether this word is a whole number.</summary>
-        public static bool IsWhole(Span<byte> word) =>
-            word[0] <= '9' && word[0] != '"' && word.IndexOfAny((byte)'.', (byte)'e', (byte)'E') < 0;
+        private string Kind()
+        {
+            var first = Next();
+            var start = at;
+            var word = Skip();
+            at = start;
+            return first == '"' ? "text" : first == '[' ? "list" : first == '{' ? "dict"
+                : first <= '9' && word.IndexOfAny((byte)'.', (byte)'e', (byte)'E') < 0 ? "whole number" : "";
+        }
 
-        /// <summary>Its number. One that no long can hold is exact nowhere: it is a long that nobody takes.</summary>
-        public static long Whole(Span<byte> word) =>
+        // One that no long can hold is exact nowhere: it is a long that nobody takes.
+        private static long Whole(Span<byte> word) =>
             Utf8Parser.TryParse(word, out long number, out _) ? number : long.MaxValue;
 
-        /// <summary>Any number.</summary>
-        public static double Real(Span<byte> word)
+        private static double Real(Span<byte> word)
         {
             Span<char> letters = word.Length <= 64 ? stackalloc char[word.Length] : new char[word.Length];
             for (var i = 0; i < word.Length; i++) letters[i] = (char)word[i];
@@ -137,7 +172,7 @@ namespace NetMQExample
             return same ? found : Known[hash & 63] = Utf8.GetString(letters);
         }
 
-        // Goes past a value, which it also makes if it is asked to, and throws where it is none.
+        // Goes past a value, which it also makes if it is asked to.
         private object Read(bool make, int deeper)
         {
             var first = Next();
@@ -166,36 +201,45 @@ namespace NetMQExample
             return means;
         }
 
-        /// <summary>The text that begins here; null unless it is to be made.</summary>
-        public string Text(bool make = true)
+        private string Name(bool make)
+        {
+            var name = Text(make);
+            Expect(':');
+            return name;
+        }
+
+        // Null unless it is to be made.
+        private string Text(bool make)
         {
             StringBuilder text = null;
             Expect('"');
-            var start = At;
-            while (!Take('"'))
+            var start = at;
+            try
             {
-                if (At == bytes.Length || bytes[At] < ' ') throw Wrong();
-                var letters = bytes.Slice(start, At - start);
-                At++;
-                if (bytes[At - 1] != '\\') continue;
-                var one = Escaped();
-                var two = char.IsHighSurrogate(one) && Take('\\') ? Escaped() : '\0';
-                if (char.IsSurrogate(one) && !char.IsLowSurrogate(two)) throw Wrong("half a character");
-                if (!make) continue;
-                text = (text ?? new StringBuilder()).Append(Utf8.GetString(letters)).Append(one);
-                if (two != '\0') text.Append(two);
-                start = At;
+                while (!Take('"'))
+                {
+                    if (at == bytes.Length || bytes[at] < ' ') throw Wrong();
+                    if (bytes[at++] != '\\') continue;
+                    var letters = bytes.Slice(start, at - 1 - start);
+                    var one = Escaped();
+                    var two = char.IsHighSurrogate(one) && Take('\\') ? Escaped() : '\0';
+                    if (char.IsSurrogate(one) && !char.IsLowSurrogate(two)) throw Wrong("half a character");
+                    if (!make) continue;
+                    text = (text ?? new StringBuilder()).Append(Utf8.GetString(letters)).Append(one);
+                    if (two != '\0') text.Append(two);
+                    start = at;
+                }
+                var rest = bytes.Slice(start, at - 1 - start);
+                if (make) return text == null ? Kept(rest) : text.Append(Utf8.GetString(rest)).ToString();
+                Utf8.GetCharCount(rest);
+                return null;
             }
-            var rest = bytes.Slice(start, At - 1 - start);
-            if (make) return text == null ? Kept(rest) : text.Append(Utf8.GetString(rest)).ToString();
-            try { Utf8.GetCharCount(rest); }
             catch (ArgumentException) { throw Wrong("no UTF-8"); }
-            return null;
         }
 
         private object Number(bool make)
         {
-            var start = At;
+            var start = at;
             Take('-');
             var whole = Take('0') ? 1 : Digits();
             var after = Take('.') ? Digits() : 0;
@@ -205,23 +249,25 @@ namespace NetMQExample
                 after = Digits();
             }
             if (after == 0 && whole > MostDigits) throw Wrong($"{whole} digits are too many");
-            var word = bytes.Slice(start, At - start);
-            return !make ? null : after == 0 ? Whole(word) : (object)Real(word);
+            var word = bytes.Slice(start, at - start);
+            if (!make) return null;
+            if (after == 0) return numbers?.Put(Whole(word)) ?? Whole(word);
+            return numbers?.Put(Real(word)) ?? Real(word);
         }
 
         private int Digits()
         {
-            var start = At;
-            while (At < bytes.Length && bytes[At] >= '0' && bytes[At] <= '9') At++;
-            return At > start ? At - start : throw Wrong();
+            var start = at;
+            while (at < bytes.Length && bytes[at] >= '0' && bytes[at] <= '9') at++;
+            return at > start ? at - start : throw Wrong();
         }
 
         // The byte that the next word begins with; -1 at the end.
         private int Next()
         {
-            for (; At < bytes.Length; At++)
+            for (; at < bytes.Length; at++)
             {
-                var letter = bytes[At];
+                var letter = bytes[at];
                 if (letter != ' ' && letter != '\n' && letter != '\r' && letter != '\t') return letter;
             }
             return -1;
@@ -230,15 +276,15 @@ namespace NetMQExample
         // Whether this byte comes now, which is passed then.
         private bool Take(int letter)
         {
-            if (At == bytes.Length || bytes[At] != letter) return false;
-            At++;
+            if (at == bytes.Length || bytes[at] != letter) return false;
+            at++;
             return true;
         }
 
         private void Expect(int letter)
         {
             if (Next() != letter) throw Wrong($"'{(char)letter}' is missing");
-            At++;
+            at++;
         }
 
         // The character that an escape means, from behind its backslash on.
@@ -246,14 +292,14 @@ namespace NetMQExample
         {
             for (var i = 0; i < Escapes.Length; i++)
                 if (Take(Escapes[i])) return Meant[i];
-            var digits = Take('u') ? bytes.Slice(At, Math.Min(4, bytes.Length - At)) : default;
+            var digits = Take('u') ? bytes.Slice(at, Math.Min(4, bytes.Length - at)) : default;
             Utf8Parser.TryParse(digits, out ushort code, out var length, 'x');
             if (length < 4) throw Wrong();
-            At += 4;
+            at += 4;
             return (char)code;
         }
 
         private MessageException Wrong(string what = "none of JSON's words") =>
-            new MessageException("bad-json", $"the header is not JSON in UTF-8: {what} at byte {At}");
+            new MessageException("bad-json", $"the header is not JSON in UTF-8: {what} at byte {at}");
     }
 }

@@ -57,10 +57,13 @@ namespace NetMQExample
         /// <exception cref="TimeoutException">No reply came. The next request has a new socket, and so finds a server
         /// that is back again.</exception>
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
-        public Message Request(Message request, TimeSpan? timeout = null, CancellationToken stop = default)
+        public Message Request(Message request, TimeSpan? timeout = null, CancellationToken stop = default) =>
+            Request(request, new Message(""), timeout, stop);
+
+        /// <summary>The same into a message that is used again.</summary>
+        internal Message Request(Message request, Message reply, TimeSpan? timeout, CancellationToken stop)
         {
             if (request == null) throw new ArgumentNullException(null, "request must not be null");
-            Message reply;
             try
             {
                 var limit = timeout ?? this.timeout;
@@ -71,7 +74,7 @@ namespace NetMQExample
                     Connection.Close();
                     limit = NetMQConnection.Longer(timeout ?? this.timeout, vain);
                 }
-                reply = Message.Read(frames);
+                reply.ReadAgain(frames);
             }
             catch
             {

@@ -66,6 +66,7 @@ namespace NetMQExample
             bool yes => Add(yes ? "true" : "false"),
             int whole => Whole(whole),
             long whole => Whole(whole),
+            MessageNumber again => again.IsWhole ? Whole(again.Whole) : Real(again.Real),
             float real => Digits(real.ToString("R", CultureInfo.InvariantCulture).ToCharArray()),
             _ => Real((double)value),
         };

@@ -13,6 +13,10 @@ namespace NetMQExample
     /// camera.</summary>
     public sealed class CameraPictures
     {
+        private static readonly object True = true, False = false;
+        private readonly Message message = new Message(new MessageNumbers());
+        private readonly MessageArray[] arrays;
+
         /// <summary>Makes room for pictures of uint8 [height, width, channels], the lowest row first.</summary>
         /// <param name="cameras">Their names: <c>center</c>; <c>left,right</c>; or <c>left,center,right</c>.</param>
         /// <param name="width">In pixels.</param>
@@ -28,6 +32,7 @@ namespace NetMQExample
             Height = height;
             Channels = channels;
             Pixels = cameras.Split(',').Select(camera => new byte[width * height * channels]).ToArray();
+            arrays = new MessageArray[Pixels.Length];
         }
 
         /// <summary>The cameras' names, and the measures of their pictures.</summary>
@@ -78,39 +83,42 @@ namespace NetMQExample
         /// <summary>Values of the car's own: numbers, texts, true or false by name.</summary>
         public Dictionary<string, object> Telemetry { get; } = new Dictionary<string, object>();
 
-        /// <summary>The message to send.</summary>
+        /// <summary>The message to send: the same one each time, which belongs to this.</summary>
         /// <exception cref="MessageException">The car adds a value with a name of this lesson.</exception>
         /// <param name="jpeg">Makes a JPEG file of a picture's pixels; null to send them as they are.</param>
         public Message ToMessage(Func<byte[], byte[]> jpeg = null)
         {
-            var message = new Message("frame", Frame);
+            var numbers = message.Begin("frame", Frame);
             var values = message.Values;
-            values["frame"] = Frame;
+            values["frame"] = numbers.Put(Frame);
             values["run"] = Run;
-            values["manual"] = Manual;
-            values["sim_time"] = SimTime;
-            values["wall_time"] = WallTime;
-            values["speed"] = Speed;
-            values["throttle"] = Action.Throttle;
-            values["brake"] = Action.Brake;
-            values["steer"] = Action.Steer;
+            values["manual"] = Manual ? True : False;
+            values["sim_time"] = numbers.Put(SimTime);
+            values["wall_time"] = numbers.Put(WallTime);
+            values["speed"] = numbers.Put(Speed);
+            values["throttle"] = numbers.Put(Action.Throttle);
+            values["brake"] = numbers.Put(Action.Brake);
+            values["steer"] = numbers.Put(Action.Steer);
             values["cameras"] = Cameras;
             values["encoding"] = jpeg == null ? "raw" : "jpeg";
             // A JPEG file has its top row first, in Unity as everywhere.
-            values["bottom_up"] = jpeg == null;
+            values["bottom_up"] = jpeg == null ? True : False;
             foreach (var own in Telemetry)
                 if (!values.TryAdd(own.Key, own.Value))
                     throw new MessageException("bad-name", $"each picture has '{own.Key}': give yours another name");
-            foreach (var pixels in Pixels)
-            {
-                if (jpeg == null) message.Arrays.Add(new MessageArray("uint8", pixels, Height, Width, Channels));
-                else
-                {
-                    var file = jpeg(pixels);
-                    message.Arrays.Add(new MessageArray("uint8", file, file.Length));
-                }
-            }
+            for (var i = 0; i < Pixels.Length; i++)
+                message.Arrays.Add(jpeg == null ? Raw(i) : Jpeg(jpeg(Pixels[i])));
             return message;
+        }
+
+        private static MessageArray Jpeg(byte[] file) => new MessageArray("uint8", file, file.Length);
+
+        private MessageArray Raw(int camera)
+        {
+            var pixels = new ReadOnlyMemory<byte>(Pixels[camera]);
+            if (arrays[camera] == null || !arrays[camera].Data.Equals(pixels))
+                arrays[camera] = new MessageArray("uint8", pixels, Height, Width, Channels);
+            return arrays[camera];
         }
     }
 }

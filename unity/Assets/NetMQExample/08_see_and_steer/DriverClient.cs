@@ -8,6 +8,7 @@ using System;
 using System.Collections.Generic;
 using System.Diagnostics;
 using System.Globalization;
+using System.Linq;
 using System.Threading;
 
 namespace NetMQExample
@@ -53,13 +54,23 @@ namespace NetMQExample
         /// <summary>A text of your own, or null where Python returned none.</summary>
         public string Text(string name = "text") => Find(name) as string;
 
-        private object Find(string name) => values != null && values.TryGetValue(name, out var value) ? value : null;
+        private object Find(string name) => name switch
+        {
+            "frame" => Frame,
+            "throttle" => Throttle,
+            "brake" => Brake,
+            "steer" => Steer,
+            _ => values != null && values.TryGetValue(name, out var value) ? value : null,
+        };
     }
 
     /// <summary>Asks for actions, and waits for them: not on Unity's main thread. Make it, use it and dispose it in one
     /// thread at a time.</summary>
     public sealed class DriverClient : IDisposable
     {
+        private const int OfTheLesson = 4;
+
+        private readonly Message reply = new Message(new MessageNumbers());
         private readonly PooledRequester requester;
         private readonly string endpoint;
         private readonly TimeSpan timeout;
@@ -95,16 +106,17 @@ namespace NetMQExample
         public DriveAction? Ask(Message frame, CancellationToken stop = default)
         {
             Require.Given("frame", frame);
-            var clock = Stopwatch.StartNew();
+            var start = Stopwatch.GetTimestamp();
             try
             {
-                var reply = requester.Request(frame, NetMQConnection.Longer(timeout, lost), stop);
-                var answered = Take(reply, "frame");
+                requester.Request(frame, reply, NetMQConnection.Longer(timeout, lost), stop);
+                var answered = Take("frame");
                 if (answered != frame.Id)
                     throw new MessageException("wrong-frame", FormattableString.Invariant(
                         $"an action for picture {answered}, but {frame.Id} was asked about"));
-                var action = new DriveAction(frame.Id, Take(reply, "throttle"), Take(reply, "brake"),
-                    Take(reply, "steer"), clock.Elapsed.TotalMilliseconds, reply.Values);
+                var milliseconds = 1000.0 * (Stopwatch.GetTimestamp() - start) / Stopwatch.Frequency;
+                var action = new DriveAction(frame.Id, Take("throttle"), Take("brake"), Take("steer"), milliseconds,
+                    reply.Values.Count > OfTheLesson ? Kept(reply.Values) : null);
                 lost = 0;
                 return action;
             }
@@ -117,13 +129,16 @@ namespace NetMQExample
             }
         }
 
-        private static double Take(Message reply, string name)
+        private double Take(string name)
         {
             reply.Values.TryGetValue(name, out var value);
-            if (reply.Kind == "action" && (value is double || value is long))
-                return Convert.ToDouble(value, CultureInfo.InvariantCulture);
-            throw new MessageException("no-action", $"the reply is no action, or without a number '{name}'");
+            return reply.Kind == "action" && value is MessageNumber number ? number.Real
+                : throw new MessageException("no-action", $"the reply is no action, or without a number '{name}'");
         }
+
+        // The next reply goes where this one is.
+        private static Dictionary<string, object> Kept(Dictionary<string, object> values) =>
+            values.ToDictionary(each => each.Key, each => each.Value is MessageNumber number ? number.Kept : each.Value);
 
         /// <inheritdoc/>
         public override string ToString() => $"DriverClient {endpoint}";

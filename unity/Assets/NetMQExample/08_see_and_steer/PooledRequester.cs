@@ -22,7 +22,8 @@ namespace NetMQExample
     {
         // The frames of the last reply. A Msg gives its buffer back to the pool when it receives the next frame.
         private readonly List<ReadOnlyMemory<byte>> frames = new List<ReadOnlyMemory<byte>>();
-        private readonly MessageWriter header = new MessageWriter();
+        // Null while a request is on its way.
+        private MessageWriter header;
         private Msg[] parts = new Msg[0];
 
         /// <summary>With room for several pictures in the operating system: the two sides then wait for each other less
@@ -38,49 +39,38 @@ namespace NetMQExample
             Message request, TimeSpan timeout, CancellationToken stop, out IReadOnlyList<ReadOnlyMemory<byte>> reply)
         {
             reply = frames;
-            var msg = new Msg();
-            var written = request.WriteHeader(header).Written;
-            // Copied, for the next header may be written while a request that was given up is still on its way.
-            msg.InitPool(written.Length);
-            written.Span.CopyTo(msg.Slice());
-            if (!Send(ref msg, request.Arrays.Count > 0, timeout, stop)) return false;
+            // The one of a request that was given up may still be on its way.
+            var json = header ?? new MessageWriter();
+            header = null;
+            if (!Send(request.WriteHeader(json).Written, request.Arrays.Count > 0, timeout, stop)) return false;
             for (var i = 0; i < request.Arrays.Count; i++)
-            {
-                // Lent where it can be: the reply proves that the network has had every byte of it.
-                var data = request.Arrays[i].Data;
-                if (MemoryMarshal.TryGetArray(data, out var lent)) msg.InitGC(lent.Array, lent.Offset, lent.Count);
-                else
-                {
-                    msg.InitPool(data.Length);
-                    data.Span.CopyTo(msg.Slice());
-                }
-                if (!Send(ref msg, i + 1 < request.Arrays.Count, timeout, stop)) return false;
-            }
-            Connection.Show(true, request.Arrays.Select(array => (object)array.Data).Prepend(header.ToString()));
+                if (!Send(request.Arrays[i].Data, i + 1 < request.Arrays.Count, timeout, stop)) return false;
+            Connection.Show(true, request.Arrays.Select(array => (object)array.Data).Prepend(json.ToString()));
             frames.Clear();
             for (var i = 0; i == 0 || parts[i - 1].HasMore; i++)
             {
                 if (i == parts.Length) Grow();
-                if (!Receive(i, timeout, stop)) return false;
+                if (!Connection.TryReceive(ref parts[i], timeout, stop)) return false;
                 frames.Add(parts[i].SliceAsMemory());
             }
+            header = json;
             Connection.Show(false, frames);
             return true;
         }
 
-        private bool Send(ref Msg msg, bool more, TimeSpan timeout, CancellationToken stop)
+        // Lent where it can be: the reply proves that the network has had every byte of it.
+        private bool Send(ReadOnlyMemory<byte> data, bool more, TimeSpan timeout, CancellationToken stop)
         {
-            foreach (var slice in NetMQConnection.Slices(timeout, stop))
-                // Sent, it is empty: what it held is NetMQ's until the network has it.
-                if (Connection.Socket.TrySend(ref msg, slice, more)) return true;
+            var msg = new Msg();
+            if (MemoryMarshal.TryGetArray(data, out var lent)) msg.InitGC(lent.Array, lent.Offset, lent.Count);
+            else
+            {
+                msg.InitPool(data.Length);
+                data.Span.CopyTo(msg.Slice());
+            }
+            // Sent, it is empty: what it held is NetMQ's until the network has it.
+            if (Connection.TrySend(ref msg, more, timeout, stop)) return true;
             msg.Close();
-            return false;
-        }
-
-        private bool Receive(int i, TimeSpan timeout, CancellationToken stop)
-        {
-            foreach (var slice in NetMQConnection.Slices(timeout, stop))
-                if (Connection.Socket.TryReceive(ref parts[i], slice)) return true;
             return false;
         }
 
