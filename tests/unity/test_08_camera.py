@@ -164,6 +164,23 @@ def test_what_a_frame_costs(drive: Drive, capsys: pytest.CaptureFixture[str]) ->
     assert leaves_nothing_to_collect(cost), cost
 
 
+@pytest.mark.xdist_group("times")
+@pytest.mark.parametrize("runtime", ["dotnet", "mono"])
+def test_a_picture_and_its_action_leave_nothing_to_collect(
+    play: Callable[..., Program], runtime: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """On the network thread, with another number in each field of the action."""
+    with zmq.Context() as context, driving(context, lambda frame: {"steer": 0.001 * (frame.id % 900)}) as driver:
+        program = play("pictures", driver.endpoint, runtime=runtime)
+        assert program.wait(120) == 0, program.output
+    cost, steer = program.wait_for(r"^cost: (.*); steer (\S+)$").groups()
+    with capsys.disabled():
+        print(f"\n{runtime}: {cost}")
+    # After each ten or so messages NetMQ tells its other thread how many were read, in an object of 24 bytes.
+    assert int(re.search(r"(\d+) bytes allocated", cost)[1]) <= 10 * 24, cost
+    assert float(steer) == 0.001 * (driver.frames[-1].id % 900)
+
+
 def test_a_view_is_upright_and_leaves_nothing(play: Callable[..., Program]) -> None:
     """Its camera sees one layer, on which nothing is by itself; and a new picture can go where the last one was.
 

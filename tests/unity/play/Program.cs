@@ -14,6 +14,7 @@
 //     … play.dll mlsensors                              what ML-Agents' sensors write; see MlSensors.cs
 //     … play.dll mlscene scene.unity                    what components read from a scene; see MlScene.cs
 //     … play.dll cameras                                what a camera sees, and what it leaves; see Cameras.cs
+//     … play.dll pictures tcp://127.0.0.1:5558          what a picture costs the network thread; see PictureCost.cs
 //     … play.dll body count=60 …                         application 20; see Bodies.cs
 //     … play.dll areas 16 play --endpoint …              lesson 10's areas in a scene; see ManyAreas.cs
 //     … play.dll quiet world --endpoint …                what frames cost in which Python steps; see Quiet.cs
@@ -60,6 +61,7 @@ namespace NetMQExample.PlayTest
                 case "areas": return ManyAreas.Run(int.Parse(words[1], CultureInfo.InvariantCulture), words[2]);
                 case "quiet": return Quiet.Run(words[1]);
                 case "cameras": return Cameras.Run();
+                case "pictures": return PictureCost.Run(words[1]);
                 case "frames": return ClockFrames.Print();
                 case "rays": return Rays.Run();
                 case "touches": return Touches.Run();

@@ -6,7 +6,7 @@
 //
 // Values are texts, numbers, true and false by name. A reply has the request's id, and its kind is "ok", or "error"
 // with the values "code", for programs, and "text", for people. Fields that this version does not know are ignored.
-// It needs MessageReader.cs, MessageWriter.cs and MessageNumbers.cs, and neither NetMQ nor UnityEngine. The Python side
+// It needs MessageReader.cs, MessageWriter.cs and MessageStore.cs, and neither NetMQ nor UnityEngine. The Python side
 // is messages.py.
 using System;
 using System.Collections.Generic;
@@ -95,10 +95,9 @@ namespace NetMQExample
 
         // Whole numbers nearer to zero than this are exact in every JSON reader, also in one that knows only doubles.
         private const long Exact = 1L << 53;
-        private static readonly string[] Fields = { "version", "kind", "id", "values", "arrays" };
-        private static readonly string[] ArrayFields = { "dtype", "shape" };
-        private readonly MessageNumbers numbers;
-        private readonly int[] places = new int[Fields.Length];
+        // For what only the reading of a header needs.
+        [ThreadStatic] private static MessageStore scratch;
+        private readonly MessageStore store;
 
         /// <summary>A message without values and arrays, to which both can be added.</summary>
         public Message(string kind, long id = 0)
@@ -107,9 +106,9 @@ namespace NetMQExample
             Id = id;
         }
 
-        /// <summary>One that is used again: numbers that come into it, by reading or by <see cref="Begin"/>, stay
-        /// valid until the next time.</summary>
-        internal Message(MessageNumbers numbers) : this("") => this.numbers = numbers;
+        /// <summary>One that is used again: what comes into it is valid until the next time, and each of its numbers is
+        /// a MessageNumber.</summary>
+        internal Message(MessageStore store) : this("") => this.store = store;
 
         /// <summary>What is asked for; of a reply, "ok" or "error".</summary>
         public string Kind { get; private set; }
@@ -169,45 +168,39 @@ namespace NetMQExample
             var size = 0L;
             for (var i = 1; i < frames.Count; i++) size += frames[i].Length;
             RefuseTooLarge(frames[0].Length, size);
-            var json = new MessageReader(frames[0].Span, numbers);
-            json.Find(Fields, places);
-            json.End();
+            var parts = Begin("", 0) ?? (scratch ??= new MessageStore());
+            parts.Clear();
+            var fields = MessageReader.Read(frames[0].Span, parts);
             // The version comes first: another one may have other fields.
-            json.Go(places[0], "version", "whole number");
-            if (json.Whole() != Version)
+            if (TakeWhole(fields, "version") != Version)
                 throw new MessageException("bad-version", $"not version {Version}: are both sides of one release?");
-            json.Go(places[1], "kind", "text");
-            var kind = json.Text();
-            json.Go(places[2], "id", "whole number");
-            Begin(kind, json.Whole());
-            json.Go(places[3], "values", "dict");
+            Kind = Take<string>(fields, "kind", "text");
+            Id = TakeWhole(fields, "id");
+            var values = Take<Dictionary<string, object>>(fields, "values", "dict");
             if (Id < 0 || Id >= Exact) throw new MessageException("bad-value", "'id' must be 0 to 2**53 - 1");
-            for (var more = json.Into(); more; more = json.More('}'))
+            foreach (var value in values)
             {
-                var name = json.Name();
-                Values[name] = json.Value();
+                Check(value.Key, value.Value);
+                Values[value.Key] = value.Value;
             }
-            foreach (var value in Values) Check(value.Key, value.Value);
-            json.Go(places[4], "arrays", "list");
-            var count = json.Count();
-            if (count != frames.Count - 1)
+            var arrays = Take<List<object>>(fields, "arrays", "list");
+            if (arrays.Count != frames.Count - 1)
                 throw new MessageException("bad-frames",
-                    $"the header lists {count} arrays, but {frames.Count - 1} frames follow it");
-            for (var more = json.Into(); more; more = json.More(']'))
-                Arrays.Add(ReadArray(ref json, frames[Arrays.Count + 1]));
+                    $"the header lists {arrays.Count} arrays, but {frames.Count - 1} frames follow it");
+            foreach (var array in arrays) Arrays.Add(ReadArray(array, frames[Arrays.Count + 1]));
             return this;
         }
 
         /// <summary>Empties it.</summary>
         /// <returns>Where it has its numbers.</returns>
-        internal MessageNumbers Begin(string kind, long id)
+        internal MessageStore Begin(string kind, long id)
         {
             Kind = kind;
             Id = id;
             Values.Clear();
             Arrays.Clear();
-            numbers?.Clear();
-            return numbers;
+            store?.Clear();
+            return store;
         }
 
         /// <summary>This reply, unless it is an error, which is thrown.</summary>
@@ -219,29 +212,40 @@ namespace NetMQExample
             throw new MessageException(LogText.Printable($"{code}"), LogText.Printable($"{text}"), Id);
         }
 
-        private static MessageArray ReadArray(ref MessageReader json, ReadOnlyMemory<byte> data)
+        private static MessageArray ReadArray(object array, ReadOnlyMemory<byte> data)
         {
-            var found = new int[2];
-            json.Find(ArrayFields, found);
-            var end = json;
-            json.Go(found[0], "dtype", "text");
-            var dtype = json.Text();
-            json.Go(found[1], "shape", "list");
-            Span<int> shape = stackalloc int[8];
-            var (count, items) = (0, 1.0);
-            for (var more = json.Into(); more; more = json.More(']'))
+            var dtype = Take<string>(array, "dtype", "text");
+            var lengths = Take<List<object>>(array, "shape", "list");
+            var (shape, items) = (new int[Math.Min(lengths.Count, 8)], 1.0);
+            for (var i = 0; i < lengths.Count; i++)
             {
-                var length = json.Whole();
+                var length = Whole(lengths[i]) ?? -1;
                 // Its items are counted also where a 0 makes nothing of them: numpy takes no larger shape.
                 items *= Math.Max(1, length);
-                if (length < 0 || items > LimitBytes || count == shape.Length)
+                if (length < 0 || items > LimitBytes || i == shape.Length)
                     throw new MessageException("bad-shape",
                         $"a shape is at most 8 whole numbers, of at most {LimitBytes} items");
-                shape[count++] = (int)length;
+                shape[i] = (int)length;
             }
-            json = end;
-            return new MessageArray(dtype, data, shape.Slice(0, count).ToArray());
+            return new MessageArray(dtype, data, shape);
         }
+
+        private static T Take<T>(object from, string name, string what) where T : class =>
+            Take(from, name) as T ?? throw new MessageException("wrong-type", $"'{name}' must be a {what}");
+
+        private static long TakeWhole(object from, string name) => Whole(Take(from, name))
+            ?? throw new MessageException("wrong-type", $"'{name}' must be a whole number");
+
+        private static object Take(object from, string name)
+        {
+            if (!(from is Dictionary<string, object> fields))
+                throw new MessageException("wrong-type", $"expected an object with '{name}'");
+            return fields.TryGetValue(name, out var value) ? value
+                : throw new MessageException("missing-field", $"there is no '{name}'");
+        }
+
+        private static long? Whole(object value) => value is long whole ? whole
+            : value is MessageNumber number && number.IsWhole ? (long)number.Real : (long?)null;
 
         private static void Check(string name, object value)
         {

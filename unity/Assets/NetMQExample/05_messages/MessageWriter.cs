@@ -10,7 +10,7 @@ namespace NetMQExample
     /// <summary>What is written is right if it is called in the right order.</summary>
     internal sealed class MessageWriter
     {
-        private const string Escapes = "\"\\bfnrt", Meant = "\"\\\b\f\n\r\t";
+        private const string Escapes = "\\bfnrt", Meant = "\\\b\f\n\r\t";
         private byte[] bytes = new byte[512];
         private int count;
 
@@ -34,7 +34,7 @@ namespace NetMQExample
         /// <summary>Brackets, commas and names, as they are.</summary>
         public MessageWriter Add(string ascii)
         {
-            foreach (var letter in ascii) Add(letter);
+            count += Encoding.ASCII.GetBytes(ascii, Room(ascii.Length));
             return this;
         }
 
@@ -47,9 +47,11 @@ namespace NetMQExample
             Add(quote);
             foreach (var letter in text)
             {
-                var escape = Meant.IndexOf(letter);
-                if (letter == quote || escape > 0) Add('\\').Add(letter == quote ? letter : Escapes[escape]);
-                else if (letter >= ' ' && letter < '\x7f') Add(letter);
+                var plain = letter >= ' ' && letter < '\x7f' && letter != '\\';
+                var escape = plain ? -1 : Meant.IndexOf(letter);
+                if (letter == quote) Add('\\').Add(letter);
+                else if (plain) Add(letter);
+                else if (escape >= 0) Add('\\').Add(Escapes[escape]);
                 else
                 {
                     Add("\\u");
@@ -66,7 +68,7 @@ namespace NetMQExample
             bool yes => Add(yes ? "true" : "false"),
             int whole => Whole(whole),
             long whole => Whole(whole),
-            MessageNumber again => again.IsWhole ? Whole(again.Whole) : Real(again.Real),
+            MessageNumber again => again.IsWhole ? Whole((long)again.Real) : Real(again.Real),
             float real => Digits(real.ToString("R", CultureInfo.InvariantCulture).ToCharArray()),
             _ => Real((double)value),
         };
@@ -99,14 +101,14 @@ namespace NetMQExample
 
         private MessageWriter Add(char letter)
         {
-            Room(1)[0] = (byte)letter;
-            count++;
+            if (count == bytes.Length) Room(1);
+            bytes[count++] = (byte)letter;
             return this;
         }
 
         private Span<byte> Room(int length)
         {
-            if (bytes.Length - count < length) Array.Resize(ref bytes, 2 * bytes.Length);
+            if (bytes.Length - count < length) Array.Resize(ref bytes, 2 * bytes.Length + length);
             return bytes.AsSpan(count);
         }
     }

@@ -14,7 +14,7 @@ namespace NetMQExample
     public sealed class CameraPictures
     {
         private static readonly object True = true, False = false;
-        private readonly Message message = new Message(new MessageNumbers());
+        private readonly Message message = new Message(new MessageStore(true));
         private readonly MessageArray[] arrays;
 
         /// <summary>Makes room for pictures of uint8 [height, width, channels], the lowest row first.</summary>
@@ -88,17 +88,17 @@ namespace NetMQExample
         /// <param name="jpeg">Makes a JPEG file of a picture's pixels; null to send them as they are.</param>
         public Message ToMessage(Func<byte[], byte[]> jpeg = null)
         {
-            var numbers = message.Begin("frame", Frame);
+            var store = message.Begin("frame", Frame);
             var values = message.Values;
-            values["frame"] = numbers.Put(Frame);
+            values["frame"] = store.Number(Frame);
             values["run"] = Run;
             values["manual"] = Manual ? True : False;
-            values["sim_time"] = numbers.Put(SimTime);
-            values["wall_time"] = numbers.Put(WallTime);
-            values["speed"] = numbers.Put(Speed);
-            values["throttle"] = numbers.Put(Action.Throttle);
-            values["brake"] = numbers.Put(Action.Brake);
-            values["steer"] = numbers.Put(Action.Steer);
+            values["sim_time"] = store.Number(SimTime);
+            values["wall_time"] = store.Number(WallTime);
+            values["speed"] = store.Number(Speed);
+            values["throttle"] = store.Number(Action.Throttle);
+            values["brake"] = store.Number(Action.Brake);
+            values["steer"] = store.Number(Action.Steer);
             values["cameras"] = Cameras;
             values["encoding"] = jpeg == null ? "raw" : "jpeg";
             // A JPEG file has its top row first, in Unity as everywhere.

@@ -70,7 +70,7 @@ namespace NetMQExample
     {
         private const int OfTheLesson = 4;
 
-        private readonly Message reply = new Message(new MessageNumbers());
+        private readonly Message reply = new Message(new MessageStore(true));
         private readonly PooledRequester requester;
         private readonly string endpoint;
         private readonly TimeSpan timeout;
@@ -138,7 +138,7 @@ namespace NetMQExample
 
         // The next reply goes where this one is.
         private static Dictionary<string, object> Kept(Dictionary<string, object> values) =>
-            values.ToDictionary(each => each.Key, each => each.Value is MessageNumber number ? number.Kept : each.Value);
+            values.ToDictionary(one => one.Key, one => one.Value is MessageNumber number ? number.Kept : one.Value);
 
         /// <inheritdoc/>
         public override string ToString() => $"DriverClient {endpoint}";

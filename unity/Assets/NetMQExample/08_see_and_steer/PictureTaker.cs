@@ -81,9 +81,12 @@ namespace NetMQExample
             var pictures = sent.Pictures;
             if (number >= 0) Skipped += ((pictures.Frame - number) / steps) - 1;
             number = pictures.Frame;
-            return pictures.ToMessage(!jpeg ? (Func<byte[], byte[]>)null : pixels => ImageConversion.EncodeArrayToJPG(
-                pixels, GraphicsFormat.R8G8B8A8_SRGB, (uint)pictures.Width, (uint)pictures.Height));
+            return pictures.ToMessage(jpeg ? Encoder(pictures) : null);
         }
+
+        // Apart, for C# makes the object of a lambda where its method begins, also where there is no JPEG.
+        private static Func<byte[], byte[]> Encoder(CameraPictures pictures) => pixels => ImageConversion
+            .EncodeArrayToJPG(pixels, GraphicsFormat.R8G8B8A8_SRGB, (uint)pictures.Width, (uint)pictures.Height);
 
         /// <summary>Takes the cameras away. For the main thread.</summary>
         public void Dispose()

@@ -45,12 +45,13 @@ namespace NetMQExample
             if (!Send(request.WriteHeader(json).Written, request.Arrays.Count > 0, timeout, stop)) return false;
             for (var i = 0; i < request.Arrays.Count; i++)
                 if (!Send(request.Arrays[i].Data, i + 1 < request.Arrays.Count, timeout, stop)) return false;
-            Connection.Show(true, request.Arrays.Select(array => (object)array.Data).Prepend(json.ToString()));
+            if (NetMQConnection.Watched)
+                Connection.Show(true, request.Arrays.Select(array => (object)array.Data).Prepend(json.ToString()));
             frames.Clear();
             for (var i = 0; i == 0 || parts[i - 1].HasMore; i++)
             {
                 if (i == parts.Length) Grow();
-                if (!Connection.TryReceive(ref parts[i], timeout, stop)) return false;
+                if (!Receive(ref parts[i], timeout, stop)) return false;
                 frames.Add(parts[i].SliceAsMemory());
             }
             header = json;
@@ -68,9 +69,17 @@ namespace NetMQExample
                 msg.InitPool(data.Length);
                 data.Span.CopyTo(msg.Slice());
             }
-            // Sent, it is empty: what it held is NetMQ's until the network has it.
-            if (Connection.TrySend(ref msg, more, timeout, stop)) return true;
+            for (var wait = new Wait(timeout, stop); wait.Next(out var slice);)
+                // Sent, it is empty: what it held is NetMQ's until the network has it.
+                if (Connection.Socket.TrySend(ref msg, slice, more)) return true;
             msg.Close();
+            return false;
+        }
+
+        private bool Receive(ref Msg part, TimeSpan timeout, CancellationToken stop)
+        {
+            for (var wait = new Wait(timeout, stop); wait.Next(out var slice);)
+                if (Connection.Socket.TryReceive(ref part, slice)) return true;
             return false;
         }
 

@@ -90,7 +90,7 @@ namespace NetMQExample
                 throw Bad($"its form has {bytes.Length} bytes, and {MostFormBytes} at most");
             var text = Encoding.ASCII.GetString(bytes.Span);
             if (Forms.TryGetValue(text, out var form)) return form;
-            try { form = MessageReader.Read(bytes.Span); }
+            try { form = MessageReader.Read(bytes.Span, new MessageStore()); }
             catch (Exception e) when (e is ArgumentException || e is MessageException) { throw Bad(e.Message); }
             // A peer that sends ever new ones, or long ones, fills no memory.
             if (Forms.Count > MostForms) Forms.Clear();

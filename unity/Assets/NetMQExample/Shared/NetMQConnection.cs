@@ -68,6 +68,9 @@ namespace NetMQExample
         /// editor. In a build nothing comes.</summary>
         public static event Action<string, bool, IEnumerable> Seen;
 
+        /// <summary>Whether somebody looks: otherwise nothing needs to be made to be shown.</summary>
+        internal static bool Watched => Seen != null;
+
         /// <summary>How long one wait lasts: short enough that ten clients stop at once, one after the other, and long
         /// enough to cost nothing.</summary>
         public static TimeSpan Slice { get; } = TimeSpan.FromMilliseconds(10);
@@ -154,55 +157,6 @@ namespace NetMQExample
         public static IEnumerable<TimeSpan> Slices(TimeSpan timeout, CancellationToken stop)
         {
             for (var wait = new Wait(timeout, stop); wait.Next(out var slice);) yield return slice;
-        }
-
-        /// <summary>Sends a frame, and waits when there is no connection to send on.</summary>
-        internal bool TrySend(ref Msg frame, bool more, TimeSpan timeout, CancellationToken stop)
-        {
-            for (var wait = new Wait(timeout, stop); wait.Next(out var slice);)
-                if (Socket.TrySend(ref frame, slice, more)) return true;
-            return false;
-        }
-
-        /// <summary>Waits for a frame.</summary>
-        internal bool TryReceive(ref Msg frame, TimeSpan timeout, CancellationToken stop)
-        {
-            for (var wait = new Wait(timeout, stop); wait.Next(out var slice);)
-                if (Socket.TryReceive(ref frame, slice)) return true;
-            return false;
-        }
-
-        // Slices without an object for each message.
-        private struct Wait
-        {
-            private readonly TimeSpan timeout;
-            private readonly CancellationToken stop;
-            private readonly long start;
-            private bool begun;
-
-            public Wait(TimeSpan timeout, CancellationToken stop)
-            {
-                // Timeout.InfiniteTimeSpan is negative, and nothing here waits for ever.
-                if (timeout < TimeSpan.Zero)
-                    throw new ArgumentException(FormattableString.Invariant(
-                        $"timeout must be 0 s or more, not {timeout.TotalSeconds}"));
-                this.timeout = timeout;
-                this.stop = stop;
-                start = Stopwatch.GetTimestamp();
-                begun = false;
-            }
-
-            public bool Next(out TimeSpan slice)
-            {
-                var waited = (double)(Stopwatch.GetTimestamp() - start) / Stopwatch.Frequency;
-                var left = Math.Clamp(timeout.TotalMilliseconds - 1000 * waited, 0, Slice.TotalMilliseconds);
-                // Whole ones: NetMQ waits for ever when it is asked to wait for less than a millisecond.
-                slice = TimeSpan.FromMilliseconds((int)left);
-                if (begun && left == 0) return false;
-                begun = true;
-                stop.ThrowIfCancellationRequested();
-                return true;
-            }
         }
 
         /// <summary>Shows a message to whoever looks. The compiler leaves out the calls, with all that is made for
