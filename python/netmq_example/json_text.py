@@ -26,7 +26,7 @@ def refuse_constant(name: str) -> None:
 DECODER = json.JSONDecoder(parse_constant=refuse_constant)
 # NaN is not JSON. Letters beyond ASCII become \u1234, so that no encoding on the way can spoil them.
 ENCODER = json.JSONEncoder(separators=(",", ":"), allow_nan=False)
-# What it makes of these.
+# The same texts as the encoder makes of these, sooner.
 quoted = json.encoder.encode_basestring_ascii
 WRITERS: dict[type, Callable[[Any], str]] = {str: quoted, int: int.__repr__, float: float.__repr__}
 

@@ -459,7 +459,7 @@ WRITTEN = [
     ("{'n': 1}", "car@.n & car@.n[0]", "2", "'car'@['n'][0] = $: int has no [0]"),
     ("(1, 2)", "car@[0,1]", "7", "'car'@[0,1] = $: tuple has no [0,1]"),
     ("(1, 2)", "car@[0:1]", "[7, 8]", "'car'@[:1] = $: there would be 3 items and not 2"),
-    # What numpy indexes is an array also after the dollar.
+    # An array that numpy indexes is one after the dollar, too.
     ("{'x': array([0, 0])}", "car@.x = $[...,1][]", "array([[1, 2], [3, 4]])", "{'x': array([2, 4])}"),
     ("{'x': array([2, 4])}", "car@.x[...][np.newaxis][0,1] = $()", "array(7)", "{'x': array([2, 7])}"),
     *(

@@ -386,7 +386,7 @@ def test_settings_are_as_many_messages_as_there_are():
     ]
 
 
-# What a peer may make the other one do has limits
+# A peer can make the other one do only so much.
 
 
 def test_the_parts_of_an_exchange_are_the_exchange():
