@@ -55,7 +55,8 @@ namespace NetMQExample
                 var lends = MemoryMarshal.TryGetArray(data, out var lent) && lent.Count == lent.Array.Length && !copies;
                 Send(lends ? lent.Array : data.ToArray(), i + 1 < message.Arrays.Count, stop);
             }
-            connection.Show(true, message.Arrays.Select(array => (object)array.Data).Prepend(header));
+            if (NetMQConnection.Watched)
+                connection.Show(true, message.Arrays.Select(array => (object)array.Data).Prepend(header));
             // From now on it makes no second connection: that might come between two looks, without a hello, and both
             // sides would wait for each other.
             connection.Socket.Options.ReconnectInterval = System.Threading.Timeout.InfiniteTimeSpan;
