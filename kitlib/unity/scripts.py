@@ -80,14 +80,13 @@ def with_used(scripts: list[Path], key: str, read: Callable[[Path], str], own: S
     """
     others = [path for path in sorted(PACKAGE.glob("[0-9][0-9]_*/*.cs")) if path.parent.name < key]
     others += sorted(PACKAGE.glob("Shared/*.cs"))
-    chosen = list(scripts)
+    chosen, first = list(scripts), set(scripts)
+    left = [path for path in others if path not in first]
     for path in chosen:  # It grows meanwhile: what is used may use others.
-        text, theirs = read(path), own if path in scripts else frozenset()
-        chosen += [
-            other
-            for other in others
-            if other not in chosen and any(uses(text, name) for name in types(other) if name not in theirs)
-        ]
+        text, theirs = read(path), own if path in first else frozenset()
+        used = {other for other in left if any(uses(text, name) for name in types(other) if name not in theirs)}
+        chosen += [other for other in left if other in used]
+        left = [other for other in left if other not in used]
     return chosen
 
 

@@ -479,7 +479,7 @@ def test_a_saved_answer_reaches_the_clients_that_run(prepared, start, serve):
 
 @finds_processes
 @pytest.mark.parametrize(
-    ("killed", "timeout", "code", "name"), [("client", 300, 137, "client"), ("server", 5, 1, "server.py")]
+    ("killed", "timeout", "code", "name"), [("client", 300, 137, "client"), ("server", 2, 1, "server.py")]
 )
 def test_a_program_that_the_system_kills_is_named(killed, timeout, code, name, start):
     """Such as where the memory is full: it has no last line of its own."""

@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import time
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +41,14 @@ def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> bool:
     return True
 
 
+def put(root: Path, files: dict[str, str | bytes]) -> None:
+    """Files of a project that are not the kit's doing."""
+    for name, data in files.items():
+        path = root / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(data if isinstance(data, bytes) else data.encode())
+
+
 def needs_mono() -> None:
     mono = shutil.which("mono")
     if not mono:
@@ -64,6 +73,35 @@ def play(harness: Path, start: Callable[..., Program]) -> Callable[..., Program]
         return start(runtime, harness, *words, **more)
 
     return start_play
+
+
+@pytest.fixture(scope="session")
+def stage(harness: Path) -> Iterator[Any]:
+    """Where the worlds of ML-Agents' shape are played."""
+    # It needs numpy.
+    from tests.unity.scene_worlds import Stage
+
+    one = Stage(harness)
+    yield one
+    one.close()
+
+
+@pytest.fixture
+def world(stage: Any) -> Iterator[Callable[..., Any]]:
+    """world("A period=2", …): this world, with Python."""
+    from tests.unity.scene_worlds import World
+
+    yield partial(World, stage)
+    # Shown where a test fails.
+    print(*stage.program.lines[stage.said :], sep="\n")
+
+
+@pytest.fixture
+def alone(stage: Any) -> Callable[..., tuple[list[str], str]]:
+    """alone("A period=2", …): what happens in this world without Python, and all that was printed."""
+    from tests.unity import scene_worlds
+
+    return partial(scene_worlds.alone, stage)
 
 
 class Editor:

@@ -1,14 +1,15 @@
 """Worlds of the scene's clock (tests/unity/play/MLAgentsWorlds.cs), driven by the kit's UnityEnvironment.
 
-world = World(play, "A period=2 numbers=1", "A act 3: add 1, end")
-world.reset()
-world.step(7)
-assert world.told() == ["A init", …]
+run = world("A period=2 numbers=1", "A act 3: add 1, end")
+run.reset()
+run.step(7)
+assert run.told() == ["A init", …]
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import subprocess
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -30,16 +31,46 @@ class Row(NamedTuple):
     seen: float
 
 
-class World:
-    def __init__(self, play: Callable[..., Program], *words: str, **environment: Any) -> None:
-        port = steady_port()
-        self.program = play("clock", *words, "--mlagents-port", str(port))
-        try:
-            self.env = UnityEnvironment(base_port=port, **environment)
-        except BaseException:
+class Stage:
+    """A program that plays one world after the other, in Plays that keep the statics; it begins anew after a fault."""
+
+    def __init__(self, harness: Path) -> None:
+        self.harness = harness
+        self.program: Program | None = None
+        self.playing = False
+
+    def begin(self, *words: str) -> None:
+        if self.program is None or self.playing or self.program.ended:
+            self.close()
+            self.port = steady_port()
+            command = ["dotnet", self.harness, "keep", "--mlagents-port", str(self.port)]
+            self.program = Program(command, stdin=subprocess.PIPE)
+            self.program.wait_for("^ready$")
+        self.playing = True
+        self.said = len(self.program.lines)
+        assert self.program.process.stdin
+        self.program.process.stdin.write(f"{'|'.join(['clock', *words, '--mlagents-port', str(self.port)])}\n")
+        self.program.process.stdin.flush()
+
+    def end(self) -> list[str]:
+        """All that was printed in this Play."""
+        assert self.program
+        self.program.wait_for("^ready$", start=self.said)
+        self.playing = False
+        return self.program.lines[self.said :]
+
+    def close(self) -> None:
+        if self.program:
             self.program.kill()
-            print(self.program.output)
-            raise
+
+
+class World:
+    def __init__(self, stage: Stage, *words: str, **environment: Any) -> None:
+        self.stage = stage
+        # All that was printed, when Play is over.
+        self.output = ""
+        stage.begin(*words)
+        self.env = UnityEnvironment(base_port=stage.port, **environment)
 
     def reset(self) -> list[Row]:
         self.env.reset()
@@ -76,16 +107,17 @@ class World:
     def told(self) -> list[str]:
         """All that happened, when Play is over: Python's end ends it."""
         self.env.close()
-        self.program.wait()
-        return told(self.program)
+        lines = self.stage.end()
+        self.output = "\n".join(lines)
+        return told(lines)
 
 
-def alone(play: Callable[..., Program], *words: str) -> tuple[list[str], str]:
+def alone(stage: Stage, *words: str) -> tuple[list[str], str]:
     """What happens without Python, and all that was printed."""
-    program = play("clock", *words, "--mlagents-port", str(steady_port()))
-    program.wait()
-    return told(program), program.output
+    stage.begin(*words)
+    lines = stage.end()
+    return told(lines), "\n".join(lines)
 
 
-def told(program: Program) -> list[str]:
-    return [line.removeprefix("| ") for line in program.lines if line.startswith("| ")]
+def told(lines: list[str]) -> list[str]:
+    return [line.removeprefix("| ") for line in lines if line.startswith("| ")]

@@ -13,12 +13,14 @@ from pathlib import Path
 import pytest
 
 from kitlib.lessons import PACKAGE, ROOT, KitError
+from kitlib.setup import python_setup
 from kitlib.unity import ml_agents, moving
 from kitlib.unity.edits import Edit, applied, checksum, reversed_
 from kitlib.unity.install import install
 from kitlib.unity.inventory import LIBRARIES
 from kitlib.unity.meta import own_guid
 from kitlib.unity.scripts import ML_AGENTS, scripts, types
+from tests.unity.conftest import put
 
 TARGET = "Assets/NetMQExample"
 OURS = {path.stem: own_guid(path) for path in PACKAGE.glob("MLAgents/**/*.cs")}
@@ -74,13 +76,6 @@ MANIFEST = """{
   }
 }
 """
-
-
-def put(root, files):
-    for name, data in files.items():
-        path = root / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(data if isinstance(data, bytes) else data.encode())
 
 
 def listing(root):
@@ -187,46 +182,53 @@ def test_the_names_of_2020(move, project):
     assert "using NetMQExample.RawSideChannels;" in (project / "Assets" / "Log.cs").read_text()
 
 
-def test_mlagents_is_a_name_of_their_own_where_unitys_is_used(move, project):
-    mine = "using Unity.MLAgents;\nusing MLAgents;\n"
-    put(project, {"Assets/Mine.cs": mine, "Assets/Other.cs": "namespace MLAgents { class X { } }\n"})
-    assert changed(move, project, "Assets/Mine.cs") == "using NetMQExample.MLAgents;\nusing MLAgents;\n"
-    assert (project / "Assets" / "Other.cs").read_text() == "namespace MLAgents { class X { } }\n"
+SPACE = ml_agents.spaces()["NNModel"]
+# A script of a project that uses Unity's ML-Agents, and what becomes of it.
+MOVED = [
+    # MLAgents is a name of their own there.
+    ("using Unity.MLAgents;\nusing MLAgents;\n", "using NetMQExample.MLAgents;\nusing MLAgents;\n"),
+    ("namespace MLAgents { class X { } }\n", "namespace MLAgents { class X { } }\n"),
+    # And one under Unity's goes along.
+    ("namespace Unity.MLAgents.Mine { class X { } }\n", "namespace NetMQExample.MLAgents.Mine { class X { } }\n"),
+    ("using Unity.MLAgents.Mine;\n", "using NetMQExample.MLAgents.Mine;\n"),
+    # A using line that nothing needs is deleted.
+    (
+        "using Unity.MLAgents.Integrations.Match3; // why\nusing Unity.MLAgents.Inference.Utils;\r\nclass C { }\n",
+        " // why\nclass C { }\n",
+    ),
+    *(
+        (f"using {package};\nclass A {{ {used} }}\n", f"{kept}class A {{ {used.replace(package, SPACE)} }}\n")
+        for package in ("Unity.Barracuda", "Unity.Sentis", "Unity.InferenceEngine", "Barracuda")
+        for used, kept in (("", ""), (f"NNModel a; {package}.ModelAsset b;", f"using {SPACE};\n"))
+    ),
+]
+MASK = "class C : Agent { void CollectDiscreteActionMasks(DiscreteActionMasker m) { } }\n"
+# What the kit has not, and what is said of it.
+LACKING = [
+    (
+        "using Unity.MLAgents.Integrations.Match3;\nclass D { AbstractBoard b; }\n",
+        "1: the kit has no Unity.MLAgents.In",
+    ),
+    ("using Unity.MLAgents.Extensions.Sensors;\n", "1: the kit has no Unity.MLAgents.Extensions.Sensors"),
+    (f"using Unity.MLAgents;\n{MASK}", "2: the kit has no DiscreteActionMasker: write WriteDiscreteActionMask("),
+]
 
 
-def test_a_namespace_of_their_own_under_unitys_goes_along(move, project):
-    put(project, {"Assets/A.cs": "namespace Unity.MLAgents.Mine { class X { } }\n"})
-    put(project, {"Assets/B.cs": "using Unity.MLAgents.Mine;\n"})
-    assert changed(move, project, "Assets/B.cs") == "using NetMQExample.MLAgents.Mine;\n"
-    assert (project / "Assets" / "A.cs").read_text().startswith("namespace NetMQExample.MLAgents.Mine {")
-
-
-def test_a_using_line_that_nothing_needs_is_deleted_and_another_named(move, project):
-    unused = "using Unity.MLAgents.Integrations.Match3; // why\nusing Unity.MLAgents.Inference.Utils;\r\nclass C { }\n"
-    put(project, {"Assets/C.cs": unused})
-    put(project, {"Assets/D.cs": "using Unity.MLAgents.Integrations.Match3;\nclass D { AbstractBoard b; }\n"})
-    put(project, {"Assets/E.cs": "using Unity.MLAgents.Extensions.Sensors;\n"})
+def test_what_becomes_of_a_script(move, project):
+    """Also its encoding and the ends of its lines stay."""
+    before = {f"Moved{number}": old.encode() for number, (old, _) in enumerate(MOVED)}
+    after = {f"Moved{number}": new.encode() for number, (_, new) in enumerate(MOVED)}
+    before |= {f"Lacking{number}": text.encode() for number, (text, _) in enumerate(LACKING)}
+    for encoding in ("utf-8", "utf-8-sig", "cp1252", "utf-16"):
+        for name, end in ((encoding, "\n"), (f"{encoding} of Windows", "\r\n")):
+            text = f"using Unity.MLAgents;{end}// größer{end}"
+            before[name] = text.encode(encoding)
+            after[name] = text.replace("Unity", "NetMQExample").encode(encoding)
+    put(project / "Assets", {f"{name}.cs": data for name, data in before.items()})
     said = move()
-    assert (project / "Assets" / "C.cs").read_bytes() == b" // why\nclass C { }\n"
-    assert "Assets/D.cs:1: the kit has no Unity.MLAgents.Integrations.Match3" in said
-    assert "Assets/E.cs:1: the kit has no Unity.MLAgents.Extensions.Sensors" in said
-
-
-def test_a_mask_of_2020_is_told_its_cure(move, project):
-    masks = "using Unity.MLAgents;\nclass C : Agent { void CollectDiscreteActionMasks(DiscreteActionMasker m) { } }\n"
-    put(project, {"Assets/C.cs": masks})
-    assert "Assets/C.cs:2: the kit has no DiscreteActionMasker: write WriteDiscreteActionMask(" in move()
-
-
-@pytest.mark.parametrize("package", ["Unity.Barracuda", "Unity.Sentis", "Unity.InferenceEngine", "Barracuda"])
-def test_the_inference_package(package, move, project):
-    put(project, {"Assets/Unused.cs": f"using {package};\nclass A {{ }}\n"})
-    put(project, {"Assets/Model.cs": f"using {package};\nclass B {{ NNModel a; {package}.ModelAsset b; }}\n"})
-    assert changed(move, project, "Assets/Unused.cs") == "class A { }\n"
-    space = ml_agents.spaces()["NNModel"]
-    assert (
-        project / "Assets" / "Model.cs"
-    ).read_text() == f"using {space};\nclass B {{ NNModel a; {space}.ModelAsset b; }}\n"
+    assert {name: (project / "Assets" / f"{name}.cs").read_bytes() for name in after} == after
+    for number, (_, words) in enumerate(LACKING):
+        assert f"Assets/Lacking{number}.cs:{words}" in said
 
 
 def test_an_inference_package_that_is_used_stays(move, project):
@@ -302,16 +304,6 @@ def test_what_only_ml_agents_brought_is_added(move, project):
     assert (project / TARGET / "Plugins" / Path(unsafe).name).exists()
 
 
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "cp1252", "utf-16"])
-@pytest.mark.parametrize("end", ["\n", "\r\n"])
-def test_the_encoding_and_the_ends_of_the_lines_stay(encoding, end, move, project):
-    text = "using Unity.MLAgents;\n// größer\n".replace("\n", end)
-    put(project, {"Assets/Mine.cs": text.encode(encoding)})
-    move()
-    after = text.replace("Unity.MLAgents", "NetMQExample.MLAgents")
-    assert (project / "Assets" / "Mine.cs").read_bytes() == after.encode(encoding)
-
-
 def test_the_second_run_does_nothing_and_undo_takes_back_all(move, project, capsys):
     (project / "Assets" / "Ball.cs").chmod(0o755)
     before = listing(project)
@@ -330,7 +322,9 @@ def test_the_second_run_does_nothing_and_undo_takes_back_all(move, project, caps
         moving.undo(project, force=False)
 
 
-def test_undo_keeps_what_was_there_before(move, project, dlls):
+def test_undo_keeps_what_was_there_before(move, project, dlls, monkeypatch):
+    # Which Python the lessons run with is not the question here.
+    monkeypatch.setattr(python_setup, "interpreter", lambda *extras: Path("python"))
     install(project, "4", dlls=dlls)
     before = listing(project)
     move()

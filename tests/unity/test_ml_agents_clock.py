@@ -6,23 +6,12 @@ remote and the heuristic policy, RpcCommunicator. In the player the first frame 
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
-
 import pytest
 
 pytest.importorskip("numpy", reason="ML-Agents' shape needs numpy: pip install numpy")
 from netmq_example.mlagents_envs.side_channel.environment_parameters_channel import EnvironmentParametersChannel
-from tests.programs import Program
-from tests.unity.scene_worlds import World, alone
 
-Worlds = Callable[..., World]
 BEGIN = "begin steps=0 sum=0 episodes=0"
-
-
-@pytest.fixture
-def world(play: Callable[..., Program]) -> Worlds:
-    return partial(World, play)
 
 
 def starts(lines: list[str], *expected: str) -> None:
@@ -195,13 +184,13 @@ def test_physics_stays_unitys(world):
         act()
     lines = run.told()
     assert [line for line in lines if "by" in line] == ["physics by FixedUpdate"] * 2
-    assert "python True" in lines and "Physics.Simulate" not in run.program.output
+    assert "python True" in lines and "Physics.Simulate" not in run.output
 
 
-def test_a_step_by_hand(play):
+def test_a_step_by_hand(alone):
     """None within a step, and none by FixedUpdate."""
     deeds = ["A init 1: automatic off", "A update 2: step, step", "A act 1: step"]
-    lines, _ = alone(play, "A period=1", *deeds, "steps=2")
+    lines, _ = alone("A period=1", *deeds, "steps=2")
     (thrown,) = [line for line in lines if line.startswith("A threw UnityAgentsException: ")]
     assert "EnvironmentStep" in thrown
     lines.remove(thrown)

@@ -9,20 +9,13 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Callable
-from functools import partial
 
 import pytest
 
 pytest.importorskip("numpy", reason="ML-Agents' shape needs numpy: pip install numpy")
 from netmq_example.mlagents_envs.side_channel.environment_parameters_channel import EnvironmentParametersChannel
-from tests.programs import ROOT, Program, steady_port
-from tests.unity.scene_worlds import World, alone, told
-
-
-@pytest.fixture
-def world(play: Callable[..., Program]) -> Callable[..., World]:
-    return partial(World, play)
+from tests.programs import ROOT, steady_port
+from tests.unity.scene_worlds import told
 
 
 def test_pythons_seed_goes_to_unitys_random_once(world):
@@ -50,9 +43,9 @@ def test_side_channels_of_a_message_are_read_before_its_reset(world):
     assert [line for line in run.told() if line.startswith("size ")] == ["size 3", "size 3", "size 4"]
 
 
-def test_without_python_heuristic_decides_at_once(play):
+def test_without_python_heuristic_decides_at_once(alone):
     """On decision steps, on cleared actions; they are repeated in between, and after an end as well."""
-    lines, output = alone(play, "A period=3 numbers=1 branches=3", "A act 2: end", "A act 4: python", "steps=4")
+    lines, output = alone("A period=3 numbers=1 branches=3", "A act 2: end", "A act 4: python", "steps=4")
     assert lines[lines.index("step 0") : lines.index("python False")] == [
         "step 0", "A see 1", "A decide 0 #0", "A act 1 #1",
         "step 1", "A act 1 #1", "A see 2", "A begin steps=0 sum=0 episodes=1",
@@ -91,4 +84,4 @@ def test_a_python_that_is_killed_ends_play(play, start):
     python.wait_for("^stepped$")
     os.kill(python.process.pid, signal.SIGKILL)
     program.wait()
-    assert "stop" in told(program)
+    assert "stop" in told(program.lines)

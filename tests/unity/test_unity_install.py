@@ -20,6 +20,7 @@ from kitlib.unity import libraries
 from kitlib.unity.inventory import LIBRARIES
 from kitlib.unity.scripts import code as script_code
 from kitlib.unity.scripts import scripts as copied_scripts
+from tests.unity.conftest import put
 
 TARGET = "Assets/NetMQExample"
 
@@ -37,14 +38,6 @@ LICENCES = (
 def a_dll(version):
     """The words of a DLL's resources that say its version."""
     return b"MZ" + f"FileVersion\0\0{version}\0".encode("utf-16-le")
-
-
-def put(root, files):
-    """Files of a project that is not the kit's doing."""
-    for name, data in files.items():
-        path = root / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(data if isinstance(data, bytes) else data.encode())
 
 
 @pytest.fixture

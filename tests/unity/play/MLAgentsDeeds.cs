@@ -9,8 +9,6 @@ using System.Linq;
 using NetMQExample.MLAgents;
 using NetMQExample.MLAgents.Actuators;
 using NetMQExample.MLAgents.Inference;
-using NetMQExample.MLAgents.Policies;
-using NetMQExample.MLAgents.Sensors;
 using UnityEngine;
 using Object = UnityEngine.Object;
 
@@ -25,14 +23,17 @@ namespace MLAgentsWorlds
         /// <summary>Of the agent whose WriteDiscreteActionMask is running.</summary>
         public static IDiscreteActionMask Mask { get; set; }
 
-        /// <summary>Of the agent whose CollectObservations is running.</summary>
-        public static VectorSensor Sensor { get; set; }
-
         public static void Add(string word)
         {
             var parts = word.Split(new[] { ": " }, 2, StringSplitOptions.None);
-            // As it was in the Play before, where statics are kept.
-            All[parts[0]] = parts[1];
+            All.Add(parts[0], parts[1]);
+        }
+
+        /// <summary>Those of a Play before, where statics are kept.</summary>
+        public static void Clear()
+        {
+            All.Clear();
+            Groups.Clear();
         }
 
         public static bool Any(Agent agent, string call, int number) => Of(agent, call, number).Any();
@@ -90,14 +91,9 @@ namespace MLAgentsWorlds
                 case "group-size": Told.Write($"{Groups[words[1]].GetRegisteredAgents().Count} in {words[1]}"); break;
                 case "forbid": Mask.SetActionEnabled(int.Parse(words[1]), int.Parse(words[2]), false); break;
                 case "forbid-all": Mask.WriteMask(int.Parse(words[1]), words.Skip(2).Select(int.Parse)); break;
-                case "observe": Sensor.AddObservation(Number(words[1])); break;
                 case "model": agent.SetModel("Ball", ScriptableObject.CreateInstance<NNModel>()); break;
                 case "step": Academy.Instance.EnvironmentStep(); break;
                 case "automatic": Academy.Instance.AutomaticSteppingEnabled = words[1] == "on"; break;
-                case "type":
-                    agent.GetComponent<BehaviorParameters>().BehaviorType =
-                        (BehaviorType)Enum.Parse(typeof(BehaviorType), words[1]);
-                    break;
                 default: Told.Write(Asked(words)); break;
             }
         }

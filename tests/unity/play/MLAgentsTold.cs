@@ -25,7 +25,6 @@ namespace MLAgentsWorlds
 
         public override void CollectObservations(VectorSensor sensor)
         {
-            Deeds.Sensor = sensor;
             Tell("see", sensor == null ? "nothing" : $"{StepCount}");
             for (var i = 0; i < see; i++) sensor?.AddObservation(i == 0 ? calls["see"] : i);
         }

@@ -36,6 +36,7 @@ namespace MLAgentsWorlds
             // Of a Play before, where statics are kept.
             Wanted.Clear();
             Agents.Clear();
+            Deeds.Clear();
             foreach (var word in words.TakeWhile(word => !word.StartsWith("--", StringComparison.Ordinal)))
                 if (word.Contains(": ")) Deeds.Add(word);
                 else if (word.StartsWith("steps=", StringComparison.Ordinal)) steps = int.Parse(word.Substring(6));
@@ -70,19 +71,17 @@ namespace MLAgentsWorlds
             parameters.BehaviorName = Of("behavior", "Ball");
             parameters.TeamId = Number("team", 0);
             parameters.BehaviorType = (BehaviorType)Enum.Parse(typeof(BehaviorType), Of("type", "Default"));
-            parameters.UseChildSensors = Of("children", "yes") == "yes";
             parameters.BrainParameters.VectorObservationSize = Number("size", 1);
             parameters.BrainParameters.NumStackedVectorObservations = Number("stack", 1);
+            var branches = Of("branches", "").Split(new[] { 'x' }, StringSplitOptions.RemoveEmptyEntries);
             parameters.BrainParameters.ActionSpec = new ActionSpec(
-                Number("numbers", wanted.ContainsKey("branches") ? 0 : 1),
-                Words(Of("branches", ""), 'x').Select(int.Parse).ToArray());
+                Number("numbers", branches.Length > 0 ? 0 : 1), branches.Select(int.Parse).ToArray());
             var script = typeof(Told).Assembly.GetType($"MLAgentsWorlds.{Of("class", "Told")}");
             var agent = (Agent)thing.AddComponent(script);
             Agents[name] = agent;
             agent.MaxStep = Number("max", 0);
-            if (agent is Told told) told.see = Number("see", Number("size", 1));
-            foreach (var sensor in Words(Of("sensors", ""), '+'))
-                AddSensor(thing, sensor);
+            if (agent is Told told) told.see = Number("size", 1);
+            if (wanted.ContainsKey("broken")) thing.AddComponent<Broken>();
             if (wanted.ContainsKey("solid"))
             {
                 thing.AddComponent<SphereCollider>().isTrigger = true;
@@ -104,21 +103,6 @@ namespace MLAgentsWorlds
             var parts = word.Split(' ');
             var settings = parts.Skip(1).Select(part => part.Split('='));
             Wanted.Add(parts[0], settings.ToDictionary(part => part[0], part => part.Last()));
-        }
-
-        private static string[] Words(string text, char between) =>
-            text.Split(new[] { between }, StringSplitOptions.RemoveEmptyEntries);
-
-        // Such as Zoo, below the agent, and -Zoo, which is switched off; Broken throws.
-        private static void AddSensor(GameObject agent, string sensor)
-        {
-            var child = new GameObject(sensor.TrimStart('-'));
-            child.transform.SetParent(agent.transform, false);
-            if (sensor == nameof(Broken)) child.AddComponent<Broken>();
-            var made = child.AddComponent<VectorSensorComponent>();
-            made.SensorName = child.name;
-            made.ObservationSize = 2;
-            child.SetActive(sensor[0] != '-');
         }
 
         private sealed class Broken : NetMQExample.MLAgents.Sensors.SensorComponent
