@@ -32,15 +32,15 @@ def test_each_play_begins_with_an_academy_of_its_own(runtime, mode, harness):
     # Nobody listens at the port 1.
     plays = subprocess.run(
         [runtime, harness, mode, "--mlagents-port", "1"],
-        input="clock|A|steps=2\n" * 3,
+        input="clock|A|steps=2\n" * 2,
         capture_output=True,
         text=True,
         timeout=LIMIT,
     )
     assert plays.returncode == 0, plays.stderr
     told = [line for line in plays.stdout.splitlines() if line.startswith("| ")]
-    assert told == PLAY.split("\n")[1:-1] * 3
-    assert plays.stdout.count("no Python at tcp://127.0.0.1:1: Heuristic decides") == 3
+    assert told == PLAY.split("\n")[1:-1] * 2
+    assert plays.stdout.count("no Python at tcp://127.0.0.1:1: Heuristic decides") == 2
 
 
 def test_an_episode_that_ends_after_the_last_step_takes_nothing_from_the_next_play(harness):
@@ -57,7 +57,7 @@ def test_an_episode_that_ends_after_the_last_step_takes_nothing_from_the_next_pl
 def test_each_play_finds_a_python_of_its_own(runtime, mode, play):
     port = steady_port()
     plays = play(mode, "--mlagents-port", f"{port}", runtime=runtime, stdin=subprocess.PIPE)
-    for _ in range(3):
+    for _ in range(2):
         before = len(plays.lines)
         plays.process.stdin.write(f"clock|A period=2 numbers=1|--mlagents-port|{port}\n")
         plays.process.stdin.flush()

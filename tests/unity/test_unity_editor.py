@@ -101,13 +101,14 @@ def test_another_program_with_the_servers_number_is_left_alone(editor, project):
     with subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE) as other:
         folder = project / "Library" / "NetMQExample"
         folder.mkdir(parents=True)
+        (folder / "server.log").touch()
+        unity = editor(project)
+        choose(unity)
         for note in (f"{other.pid} 639000000000000000", f"{other.pid} 0", f"{other.pid}", "", "x y"):
-            (folder / "server.log").touch()
             (folder / "server.log.pid").write_text(note)
-            unity = editor(project)
-            choose(unity)
+            unity.do("load")
             assert "[Start the server]" in unity.do("draw")
-            unity.do("quit")
+        unity.do("quit")
         assert other.poll() is None
         other.communicate(b"\n")
         assert other.returncode == 0
