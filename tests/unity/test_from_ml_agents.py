@@ -202,7 +202,7 @@ MOVED = [
     ),
 ]
 MASK = "class C : Agent { void CollectDiscreteActionMasks(DiscreteActionMasker m) { } }\n"
-# What the kit has not, and what is said of it.
+# Scripts with a name that the kit lacks, and the line that says so.
 LACKING = [
     (
         "using Unity.MLAgents.Integrations.Match3;\nclass D { AbstractBoard b; }\n",
