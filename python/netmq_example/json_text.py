@@ -14,6 +14,8 @@ from typing import Any
 DEEPEST = 64
 # A bracket; or a text, in which a bracket is a character like any other.
 PARTS = re.compile(r'"(?:[^"\\]++|\\.)*+"?|[][{}]', re.DOTALL)
+# Escapes; of those that are half a character, such as \\ud800 alone, the name. It could not be printed.
+HALVES = re.compile(r"\\u[dD][89abAB]..\\u[dD][c-fC-F]..|\\(u[dD][89a-fA-F])?.")
 # Those of JSON, and no others.
 BLANKS = " \t\n\r"
 
@@ -37,9 +39,8 @@ def parsed(frame: Any) -> Any:
     value, end = DECODER.raw_decode(text)
     if end < len(text):
         raise ValueError("more follows it")
-    if "\\" in text:
-        # Half a character, such as \ud800 alone, could not be printed, and is another one in C#.
-        json.dumps(value, ensure_ascii=False).encode()
+    if "\\u" in text and any(HALVES.findall(text)):
+        raise ValueError("half a character")
     return value
 
 

@@ -125,10 +125,12 @@ def test_the_golden_bytes(side, request):
 
 
 def test_csharp_writes_no_value_that_the_standard_lacks(messages_program):
-    """NaN, infinity, 2**53, null, char, a list, a text; 1.0 and 2, which it has; arrays of the limit and more."""
+    """NaN, infinity, 2**53, null, char, a list, a long text, half characters; 1.0 and 2, which it has; wrong ids and
+    shapes; arrays of the limit and more."""
     done = finished([*messages_program, "write"])
-    *wrong, one, two, most, more = done.stdout.splitlines()[1:]
-    assert wrong == ["bad-value"] * 3 + ["wrong-type"] * 3 + ["too-big"]
+    *wrong, one, two, id_1, id_2, shape_1, shape_2, shape_3, most, more = done.stdout.splitlines()[1:]
+    assert wrong == ["bad-value"] * 3 + ["wrong-type"] * 3 + ["too-big"] + ["bad-json"] * 2
+    assert [id_1, id_2, shape_1, shape_2, shape_3] == ["bad-value"] * 2 + ["bad-shape"] * 3
     assert ('"it":1.0}' in one, '"it":2}' in two) == (True, True), done.stdout
     assert most.startswith('{"kind":"echo"') and more == "too-big"
 

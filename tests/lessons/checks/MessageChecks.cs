@@ -45,26 +45,30 @@ namespace NetMQExample.Tests
         private static void Write()
         {
             var wrong = new object[] { double.NaN, float.PositiveInfinity, 1L << 53, null, 'c', new int[1],
-                new string('x', 70_000) };
+                new string('x', 70_000), "half \ud83d", "\ude00 half" };
             foreach (var value in wrong.Concat(new object[] { 1f, 2 }))
             {
                 var message = new Message("echo", 1);
                 message.Values["it"] = value;
-                Console.WriteLine(Written(message));
+                Console.WriteLine(Written(() => message));
             }
+            foreach (var id in new[] { -1, 1L << 53 }) Console.WriteLine(Written(() => new Message("echo", id)));
+            foreach (var shape in new[] { new[] { -1, -1 }, new int[9], new[] { 0, int.MaxValue } })
+                Console.WriteLine(Written(() => new Message("echo")
+                    { Arrays = { new MessageArray("uint8", new byte[shape[1] == -1 ? 1 : 0], shape) } }));
             // All arrays together are as many bytes as they may be, and then one more.
             foreach (var size in new[] { Message.LimitBytes - 1, Message.LimitBytes })
             {
                 var message = new Message("echo");
                 message.Arrays.Add(new MessageArray("uint8", new byte[1], 1));
                 message.Arrays.Add(new MessageArray("uint8", new byte[size], size));
-                Console.WriteLine(Written(message));
+                Console.WriteLine(Written(() => message));
             }
         }
 
-        private static string Written(Message message)
+        private static string Written(Func<Message> make)
         {
-            try { return message.Header(); }
+            try { return make().Header(); }
             catch (MessageException e) { return e.Code; }
         }
 

@@ -59,8 +59,17 @@ namespace NetMQExample
             Data = data;
             Shape = shape ?? throw new ArgumentNullException(null, "shape must not be null");
             // In double, which no product of eight sizes overflows.
-            double size = SizeOf(dtype);
-            foreach (var length in shape) size *= length;
+            double size = SizeOf(dtype), items = 1;
+            foreach (var length in shape)
+            {
+                size *= length;
+                // Counted also where a 0 makes nothing of them: numpy takes no larger shape.
+                items *= Math.Max(1, length);
+                if (length < 0) items = double.PositiveInfinity;
+            }
+            if (shape.Length > 8 || items > Message.LimitBytes)
+                throw new MessageException("bad-shape",
+                    $"a shape is at most 8 whole numbers from 0, of at most {Message.LimitBytes} items");
             if (size != data.Length)
                 throw new MessageException("bad-shape",
                     $"{dtype} [{string.Join(", ", shape)}] is not {data.Length} bytes");
@@ -129,6 +138,7 @@ namespace NetMQExample
         /// <summary>The same, in a buffer that is used again.</summary>
         internal MessageWriter WriteHeader(MessageWriter json)
         {
+            CheckId();
             json.Begin().Add("{\"kind\":").Text(Kind).Add(",\"version\":").Whole(Version).Add(",\"id\":").Whole(Id);
             json.Add(",\"values\":{");
             foreach (var value in Values)
@@ -150,6 +160,11 @@ namespace NetMQExample
             return json;
         }
 
+        private void CheckId()
+        {
+            if (Id < 0 || Id >= Exact) throw new MessageException("bad-value", "'id' must be 0 to 2**53 - 1");
+        }
+
         // Also before it is sent: a peer may hang up on it, without a word.
         private static void RefuseTooLarge(long header, long arrays)
         {
@@ -165,6 +180,8 @@ namespace NetMQExample
         /// <summary>The same into this one.</summary>
         internal Message ReadAgain(IReadOnlyList<ReadOnlyMemory<byte>> frames)
         {
+            if (frames.Count == 0)
+                throw new MessageException("bad-frames", "a message has at least one frame, its header");
             var size = 0L;
             for (var i = 1; i < frames.Count; i++) size += frames[i].Length;
             RefuseTooLarge(frames[0].Length, size);
@@ -177,7 +194,7 @@ namespace NetMQExample
             Kind = Take<string>(fields, "kind", "text");
             Id = TakeWhole(fields, "id");
             var values = Take<Dictionary<string, object>>(fields, "values", "dict");
-            if (Id < 0 || Id >= Exact) throw new MessageException("bad-value", "'id' must be 0 to 2**53 - 1");
+            CheckId();
             foreach (var value in values)
             {
                 Check(value.Key, value.Value);
@@ -216,17 +233,10 @@ namespace NetMQExample
         {
             var dtype = Take<string>(array, "dtype", "text");
             var lengths = Take<List<object>>(array, "shape", "list");
-            var (shape, items) = (new int[Math.Min(lengths.Count, 8)], 1.0);
-            for (var i = 0; i < lengths.Count; i++)
-            {
-                var length = Whole(lengths[i]) ?? -1;
-                // Its items are counted also where a 0 makes nothing of them: numpy takes no larger shape.
-                items *= Math.Max(1, length);
-                if (length < 0 || items > LimitBytes || i == shape.Length)
-                    throw new MessageException("bad-shape",
-                        $"a shape is at most 8 whole numbers, of at most {LimitBytes} items");
-                shape[i] = (int)length;
-            }
+            // One too many is enough to be refused.
+            var shape = new int[Math.Min(lengths.Count, 9)];
+            for (var i = 0; i < shape.Length; i++)
+                shape[i] = Whole(lengths[i]) is long length && length >= 0 && length <= LimitBytes ? (int)length : -1;
             return new MessageArray(dtype, data, shape);
         }
 

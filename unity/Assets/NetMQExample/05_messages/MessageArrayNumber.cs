@@ -2,6 +2,7 @@
 // text, for a log.
 using System;
 using System.Linq;
+using System.Runtime.InteropServices;
 
 namespace NetMQExample
 {
@@ -45,12 +46,15 @@ namespace NetMQExample
 
         private object At(int at) => Dtype switch
         {
-            "uint8" => Items<byte>()[at],
-            "uint16" => Items<ushort>()[at],
-            "int32" => Items<int>()[at],
-            "int64" => Items<long>()[at],
-            "float32" => Items<float>()[at],
-            _ => Items<double>()[at],
+            "uint8" => At<byte>(at),
+            "uint16" => At<ushort>(at),
+            "int32" => At<int>(at),
+            "int64" => At<long>(at),
+            "float32" => At<float>(at),
+            _ => At<double>(at),
         };
+
+        // Mono lacks the indexer of a ReadOnlySpan that C# asks for.
+        private T At<T>(int at) where T : struct => MemoryMarshal.Read<T>(Data.Span.Slice(at * SizeOf(Dtype)));
     }
 }

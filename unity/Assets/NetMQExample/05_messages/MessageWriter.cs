@@ -45,8 +45,9 @@ namespace NetMQExample
         public MessageWriter Text(string text, char quote = '"')
         {
             Add(quote);
-            foreach (var letter in text)
+            for (var i = 0; i < text.Length; i++)
             {
+                var letter = text[i];
                 var plain = letter >= ' ' && letter < '\x7f' && letter != '\\';
                 var escape = plain ? -1 : Meant.IndexOf(letter);
                 if (letter == quote) Add('\\').Add(letter);
@@ -54,6 +55,8 @@ namespace NetMQExample
                 else if (escape >= 0) Add('\\').Add(Escapes[escape]);
                 else
                 {
+                    if (quote == '"' && char.IsSurrogate(letter) && !IsWhole(text, i))
+                        throw new MessageException("bad-json", "a text has half a character: where was it cut?");
                     Add("\\u");
                     for (var shift = 12; shift >= 0; shift -= 4) Add("0123456789abcdef"[(letter >> shift) & 15]);
                 }
@@ -91,6 +94,9 @@ namespace NetMQExample
 
         /// <inheritdoc/>
         public override string ToString() => Encoding.ASCII.GetString(bytes, 0, count);
+
+        private static bool IsWhole(string text, int at) =>
+            char.IsSurrogatePair(text, char.IsLowSurrogate(text[at]) && at > 0 ? at - 1 : at);
 
         private MessageWriter Digits(Span<char> digits)
         {

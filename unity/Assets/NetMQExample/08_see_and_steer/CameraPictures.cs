@@ -83,7 +83,8 @@ namespace NetMQExample
         /// <summary>Values of the car's own: numbers, texts, true or false by name.</summary>
         public Dictionary<string, object> Telemetry { get; } = new Dictionary<string, object>();
 
-        /// <summary>The message to send: the same one each time, which belongs to this.</summary>
+        /// <summary>The message to send: the same one each time, which belongs to this. Its numbers are used again as
+        /// well, so they are no double and no long: read <see cref="Speed"/> and the others from here.</summary>
         /// <exception cref="MessageException">The car adds a value with a name of this lesson.</exception>
         /// <param name="jpeg">Makes a JPEG file of a picture's pixels; null to send them as they are.</param>
         public Message ToMessage(Func<byte[], byte[]> jpeg = null)
