@@ -7,6 +7,7 @@ import socket
 from urllib.parse import urlsplit
 
 from kitlib.docs import guide
+from kitlib.guide_page.runs import FIRST
 from tests.conftest import PYTHON
 from tests.programs import LIMIT, ROOT, Program
 
@@ -16,7 +17,8 @@ class Site:
 
     def __init__(self, program, folder):
         self.program, self.folder = program, folder
-        self.url = program.wait_for(r"(http://127\.0\.0\.1:\S+) in a browser; Ctrl-C ends it")[1]
+        # It builds the C# client first, where no other test has done so.
+        self.url = program.wait_for(r"(http://127\.0\.0\.1:\S+) in a browser; Ctrl-C ends it", limit=600)[1]
         self.port, self.base = urlsplit(self.url).port, urlsplit(self.url).path
         self.origin = f"http://127.0.0.1:{self.port}"
 
@@ -60,12 +62,19 @@ def block(page, command, step=0, **values):
 
 @contextlib.contextmanager
 def opened(tmp_path, *options, **environment):
-    """BROWSER names the program that opens a page: here one that does nothing."""
+    """BROWSER names the program that opens a page: here one that does nothing.
+
+    It is never the first guide here, so its programs leave the lessons' own ports to whoever else is on this machine.
+    """
     words = [PYTHON, ROOT / "kit.py", "guide", "--folder", tmp_path / "anna", *options]
+    first = socket.socket(type=socket.SOCK_DGRAM)
+    with contextlib.suppress(OSError):
+        first.bind(("127.0.0.1", FIRST))
     program = Program(words, folder=tmp_path, BROWSER=f"'{PYTHON}' -c pass %s", **environment)
     try:
         yield Site(program, tmp_path / "anna")
     finally:
         # Also after a test that failed it is asked, not killed: what it has started ends with it.
         code = program.stop()
+        first.close()
     assert code == 0 and "Traceback" not in program.output, program.output

@@ -1,11 +1,12 @@
 """Opens the guide in the browser, where its commands run by a button."""
 
 import argparse
+from contextlib import suppress
 from pathlib import Path
 
 from kitlib.commands import run
 from kitlib.guide_page import answers
-from kitlib.lessons import ROOT
+from kitlib.lessons import ROOT, KitError, find
 from kitlib.programs import run_in_terminal
 from kitlib.setup import python_setup
 
@@ -35,4 +36,7 @@ def do(options: argparse.Namespace) -> int:
         # Lesson 16's packages draw the arrows, and a lesson is no time to install them.
         python = python_setup.interpreter("guide", optional=(run.EXTRA,))
         return run_in_terminal([python, ROOT / "kit.py", "guide", *words])
+    # Built now, since in the page whatever is pressed next would end a build that takes a minute.
+    with suppress(KitError):
+        run.client_command(None, find("1"))
     return server.serve(folder, folder / "runs" if options.folder else None, options.answers)

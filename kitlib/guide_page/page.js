@@ -23,7 +23,7 @@ function begin(place, kinds) {
   for (const each of programs.values()) if (kinds !== "client" || each.kind !== "server") each.stop.abort();
   one(".output", place)?.remove();
   const output = make("div", { className: "output" });
-  one(".tools", place).after(output);
+  (one(".mistake", place) ?? one(".tools", place)).after(output);
   return () => output.appendChild(make("section"));
 }
 
@@ -31,18 +31,23 @@ function begin(place, kinds) {
 async function program(box, kind, what, wish, goes = () => 0) {
   const stop = new AbortController(), lines = {}, seen = {};
   box.replaceChildren(one("#program").content.cloneNode(true));
-  const [button, waits, verdict, columns] = ["button", "progress", ".verdict", ".columns"].map(each => one(each, box));
+  const [button, waits, verdict, columns] = ["button", "small", ".verdict", ".columns"].map(each => one(each, box));
   button.onclick = () => stop.abort();
   programs.set(box, { kind, stop });
+  let seconds = 0;
+  const clock = setInterval(() => { waits.textContent = `${++seconds} s`; }, 1000);
   const hear = ({ who, text, good, ...news }) => {
     const frame = who === "kit" && text.match(/^open (http:\S+) in/);
     if (frame) columns.before(make("iframe", { src: frame[1], title: "The messages, as arrows" }));
     if (frame) box.scrollIntoView({ block: "nearest" });
     if (news.command) one("code", box).textContent = news.command;
-    if (who === "kit" || news.verdict) verdict.textContent = news.verdict ?? text;
+    if (who === "kit" && !frame || news.verdict) verdict.textContent = news.verdict ?? text;
     else if (who && who !== "tap") (lines[who] ??= []).push(text);
     if (good != null) verdict.classList.add(good ? "good" : "bad");
-    if (good && what === "own") all(`[data-tick="${wish.lesson}"]`).forEach(tick => { tick.checked = true; });
+    if (good && what === "own") {
+      all(`[data-tick="${wish.lesson}"]`).forEach(tick => { tick.checked = true; });
+      one(`nav a[href$="/${wish.lesson}.md"]:not(:has(b))`)?.append(make("b", {}, "✓"));
+    }
     if (kind === "server" && text?.startsWith("listening on ")) goes();
   };
   // However much has come, there is one layout of it.
@@ -53,7 +58,6 @@ async function program(box, kind, what, wish, goes = () => 0) {
       if (each.length > 500) each.splice(0, each.length - 499, "... earlier lines left out");
       seen[who].textContent = each.join("\n");
       seen[who].scrollTop = seen[who].scrollHeight;
-      waits.hidden = true;
     }
   };
   try {
@@ -69,9 +73,10 @@ async function program(box, kind, what, wish, goes = () => 0) {
     if (kind !== "server") goes();
   } catch (error) {
     verdict.textContent = stop.signal.aborted ? "stopped" : error.message;
+    verdict.className = "verdict";
   }
   one("iframe", box)?.remove();
-  waits.hidden = true;
+  clearInterval(clock);
   programs.delete(box);
   button.textContent = "Start";
   button.onclick = () => program(box, kind, what, wish, goes);
@@ -92,6 +97,19 @@ for (const block of all(".run"))
 for (const own of all(".own")) {
   const lesson = own.dataset.lesson, text = one("textarea", own), mistake = one(".mistake", own);
   let was, options;
+  // The line and the buttons are both seen, and each line has its number.
+  const show = line => {
+    const lines = text.value.split("\n");
+    const start = lines.slice(0, line - 1).join("\n").length + 1;
+    text.setSelectionRange(start, start);
+    text.focus({ preventScroll: true });
+    text.scrollTop = text.scrollHeight * (line - 4) / lines.length;
+    own.scrollIntoView();
+  };
+  text.onscroll = () => { text.previousSibling.scrollTop = text.scrollTop; };
+  const number = text.oninput = () => {
+    text.previousSibling.textContent = text.value.split("\n").map((_, at) => at + 1).join("\n");
+  };
   const edit = async wish => {
     const told = await (await ask("edit", { lesson, ...wish })).json();
     const elsewhere = "not saved: this file was changed elsewhere since you opened it here";
@@ -100,17 +118,17 @@ for (const own of all(".own")) {
     own.classList.add("open");
     one("[value=save]", own).textContent = "Save and run";
     one("small", own).textContent = told.path;
-    if (text.value !== told.text) {
-      text.value = told.text;
-      text.setSelectionRange(told.at, told.at);
-      text.focus();
-    }
+    const other = text.value !== told.text;
+    if (other) text.value = told.text;
+    number();
+    if (other || told.error) show(told.at);
     was = text.defaultValue = told.text;
     return !told.newer && !told.error;
   };
   own.onsubmit = async event => {
     event.preventDefault();
     const does = event.submitter.value, opened = was !== undefined;
+    if (!programs.has(one("section", own))) one(".output", own)?.remove();
     if (does === "again" && !confirm("Lose what you have written, and start again from the kit's server.py?")) return;
     const wish = does === "again" ? { again: true } : opened ? { text: text.value, was } : {};
     const check = does === "check", saved = check && !opened || await edit(wish), now = one("input", own).value;
@@ -121,11 +139,16 @@ for (const own of all(".own")) {
     program(begin(own)(), "run", "own", { lesson, options: now, check });
   };
   text.onkeydown = event => {
+    if ((event.ctrlKey || event.metaKey) && event.key === "s") {
+      event.preventDefault();
+      own.requestSubmit(one("[value=save]", own));
+    }
     const line = text.value.slice(0, text.selectionStart).split("\n").pop(), more = line.endsWith(":") ? "    " : "";
     const put = { Tab: "    ", Enter: `\n${line.match(/^ */)[0]}${more}` }[event.key];
     if (!put || event.shiftKey || event.isComposing) return;
     text.setRangeText(put, text.selectionStart, text.selectionEnd, "end");
     event.preventDefault();
+    number();
   };
 }
 addEventListener("beforeunload", event => {
@@ -137,40 +160,54 @@ for (const box of all("[data-tick]"))
 
 // ---- Search, source files, large type ----
 
-let index = null;
+let index;
 const field = one("#search"), found = one("#found"), shown = one("dialog");
+const parts = text => text.toLowerCase().split(/[\s'"`:()]+/).filter(word => word);
+const load = field.onfocus = () => index ??= fetch(`${base}search.json`).then(answer => answer.json());
 field.oninput = async () => {
-  index ??= await (await fetch(`${base}search.json`)).json();
-  const words = field.value.toLowerCase().split(/[\s'"`:()]+/).filter(word => word);
-  const hits = ([text, , title]) => words.filter(word => `${text} ${title}`.toLowerCase().includes(word)).length;
-  const ranked = index.map(entry => [hits(entry), entry]).filter(each => each[0] && each[0] >= words.length / 2);
+  const words = parts(field.value), has = (text, word) => parts(text).some(each => each.startsWith(word));
+  const hits = ([text, , title]) => words.reduce((sum, word) => sum + 2 * has(text, word) + has(title, word), 0);
+  const ranked = (await load()).map(entry => [hits(entry), entry]).filter(each => each[0] && each[0] >= words.length);
   ranked.sort((a, b) => b[0] - a[0] || a[1][0].length - b[1][0].length);
   found.replaceChildren(...ranked.slice(0, 12).map(([, [text, where, title]]) =>
     make("li", {}, make("a", { href: base + where }, text, make("small", {}, title)))));
   found.hidden = !ranked.length;
 };
 found.onclick = () => { found.hidden = true; };
+field.onkeydown = event => { if (event.key === "Enter") one("a", found)?.click(); };
 
 document.addEventListener("click", async event => {
   const link = event.target.closest?.("main a, dialog a"), file = link?.pathname.slice(base.length);
   if (!link || link.target || event.ctrlKey || event.metaKey || /\.md$|^class$/.test(file)) return;
   event.preventDefault();
   const part = all("[data-file]").map(each => each.dataset.file).find(each => each.startsWith(`${file}?`));
-  const page = new DOMParser().parseFromString(await (await fetch(base + (part ?? file))).text(), "text/html");
-  one("div", shown).replaceChildren(...one("main", page).childNodes);
+  const read = new DOMParser().parseFromString(await (await fetch(base + (part ?? file))).text(), "text/html");
+  one("div", shown).replaceChildren(...one("main", read).childNodes);
   if (!shown.open) shown.showModal();
   shown.scrollTop = 0;
   one(".hll", shown)?.scrollIntoView({ block: "center" });
 });
 
-const large = yes => localStorage.setItem("big", document.documentElement.classList.toggle("big", yes) ? "yes" : "");
+const page = document.documentElement;
+const fit = () => page.classList.toggle("narrow", innerWidth < 50 * parseFloat(getComputedStyle(page).fontSize));
+const large = yes => {
+  localStorage.setItem("big", page.classList.toggle("big", yes) ? "yes" : "");
+  fit();
+};
+addEventListener("resize", fit);
 large(localStorage.getItem("big") === "yes");
-one("#big").onclick = () => large();
+// The reader stays at the same place.
+const resize = () => {
+  const here = document.elementFromPoint(one("main").getBoundingClientRect().x + 50, innerHeight / 3);
+  large();
+  here.scrollIntoView();
+};
+one("#big").onclick = resize;
 one("#menu").onclick = () => one("nav").classList.toggle("open");
 document.addEventListener("keydown", event => {
   if (event.isComposing || event.target.matches("input, textarea")) return;
   if (event.ctrlKey || event.metaKey || event.altKey) return;
-  if (event.key === "b") large();
+  if (event.key === "b") resize();
   if (event.key === "/") { event.preventDefault(); field.focus(); }
 });
 one(`nav a[href="${location.pathname}"]`)?.setAttribute("aria-current", "page");

@@ -2,6 +2,7 @@
 
 import json
 import re
+from collections.abc import Collection, Iterable
 from functools import cache
 from html import escape
 from itertools import takewhile
@@ -16,8 +17,8 @@ from pygments.lexers import TextLexer, find_lexer_class_for_filename, get_lexer_
 
 from kitlib.docs import guide
 from kitlib.guide_page import answers, runs
-from kitlib.guide_page.diagrams import svg
-from kitlib.lessons import ROOT, find, lessons, read_json
+from kitlib.guide_page.diagrams import table
+from kitlib.lessons import ROOT, find, lessons
 
 HERE = Path(__file__).parent
 ANSWER = re.compile(r"<details><summary>Answer.*?</details>", re.DOTALL)
@@ -27,7 +28,7 @@ def fence(_: Any, tokens: list[Token], at: int, __: Any, env: dict[str, Any]) ->
     """A block as it stands, with what can be done with it."""
     number, block = next(env["blocks"])
     if block.kind == "diagram":
-        return svg(block.body)
+        return table(block.body)
     lexer = get_lexer_by_name(block.language or "text", stripnl=False)
     shown = f'<pre class="code"><code>{highlight(block.body, lexer, HtmlFormatter(nowrap=True))}</code></pre>'
     if block.kind == "excerpt":
@@ -52,10 +53,12 @@ def editor(key: str) -> str:
     check = found.check if found else []
     about = f"<p><b>Your turn.</b> {MARKDOWN.renderInline(found.text)}</p>" if found else ""
     tools = '<button value="save">Edit</button>' + '<button value="check">Check</button>' * bool(check)
-    tools += f'<label class="late">client <input name="options" size="28" value="{escape("".join(check[:1]))}"></label>'
+    value = escape("".join(check[:1]))
+    tools += f'<label class="late">options of the client <input name="options" size="28" value="{value}"></label>'
     tools += '<button value="again" class="late">Start again from the kit\'s</button>'
-    text = '<p class="mistake verdict bad"></p><small></small><textarea class="late" spellcheck="false"></textarea>'
-    return f'<form class="own" data-lesson="{key}">{about}<p class="tools">{tools}</p>{text}</form>'
+    text = '<small></small><div class="late text"><div></div><textarea spellcheck="false" wrap="off"></textarea></div>'
+    shown = f'<p class="tools">{tools}</p><p class="mistake verdict bad"></p>{text}'
+    return f'<form class="own" data-lesson="{key}">{about}{shown}</form>'
 
 
 def html(_: Any, tokens: list[Token], at: int, *__: Any) -> str:
@@ -86,6 +89,7 @@ def plain(token: Token) -> str:
     return "".join(child.content for child in takewhile(lambda each: each.type != "hardbreak", token.children or ()))
 
 
+@cache
 def title(path: Path) -> str:
     return plain(next(token for token in tokens_of(path) if token.type == "inline"))
 
@@ -119,30 +123,31 @@ def known() -> set[Path]:
     return found
 
 
-@cache
-def side(base: str) -> str:
-    """The pages by group: the paths as on the map, whose title names them, and then those around the lessons."""
-    keys = {f"{lesson.number:02}": lesson.key for lesson in lessons()}
+def side(base: str, done: Collection[str]) -> str:
+    """The lessons by number, each with a word for its path from the title of the map; and the pages around them."""
     on_map = (ROOT / "img" / "lessons.svg").read_text(encoding="utf-8")
-    groups = {"first": ["start_here", keys["01"]]}
-    paths = re.findall(r"[:;] ([^;:]+?), lessons ([\d, ]+)", on_map)
-    for path, numbers in sorted(paths, key=lambda found: found[1]):
-        groups[path] = [keys[number] for number in sorted(numbers.split(", "))]
-    rest = {page.stem for page in guide.pages()[1:]}.difference(*groups.values())
-    shown = ""
-    for group, names in (groups | {"around the lessons": sorted(rest)}).items():
-        links = ((name, re.sub(r"^\w+ (\d+):", r"\1", title(ROOT / "docs" / "guide" / f"{name}.md"))) for name in names)
-        items = "".join(f'<li><a href="{base}docs/guide/{name}.md">{escape(label)}</a></li>' for name, label in links)
-        shown += f"<h2>{escape(group)}</h2><ul>{items}</ul>"
-    return shown
+    found = re.findall(r"[:;] (?:a |what happens )?(\w+)[^;:]*?, lessons ([\d, ]+)", on_map)
+    paths = {number: path for path, numbers in found for number in numbers.split(", ")}
+    first = ["start_here", *(lesson.key for lesson in lessons())]
+    rest = {page.stem for page in guide.pages()[1:]}.difference(first)
+
+    def links(names: Iterable[str]) -> str:
+        shown = ""
+        for name in names:
+            label = re.sub(r"^\w+ (\d+):", r"\1", title(ROOT / "docs" / "guide" / f"{name}.md"))
+            more = f"<small>{paths.get(name.partition('_')[0], '')}</small>" + "<b>✓</b>" * (name in done)
+            shown += f'<a href="{base}docs/guide/{name}.md">{escape(label)} {more}</a>'
+        return shown
+
+    return f"{links(first)}<h2>around the lessons</h2>{links(sorted(rest))}"
 
 
-def page(path: Path, base: str, name: str, answers: bool) -> str:
-    """The whole page of a file or folder of the kit; a file's lines are numbered, and those of `name` marked."""
+def page(path: Path, base: str, name: str, answers: bool) -> tuple[str, str]:
+    """The title of a file or folder of the kit, and it as HTML; a file's lines are numbered, `name` is marked."""
     heading = path.relative_to(ROOT).as_posix()
     if path.suffix == ".md":
         body = rendered(path)
-        return whole(title(path), body if answers else re.sub(ANSWER, "", body), base)
+        return title(path), body if answers else re.sub(ANSWER, "", body)
     if path.is_dir():
         names = (file.name for file in sorted(path.iterdir()) if file.suffix != ".meta")
         body = "".join(f'<p><a href="{base}{heading}/{name}">{name}</a></p>' for name in names)
@@ -152,21 +157,22 @@ def page(path: Path, base: str, name: str, answers: bool) -> str:
         marked = [line + 1 for line in (find and find(text, name)) or ()]
         lexer = (find_lexer_class_for_filename(path.name) or TextLexer)(stripnl=False)
         body = highlight(text, lexer, HtmlFormatter(linenos="inline", hl_lines=marked, cssclass="code"))
-    return whole(heading, f"<h1>{escape(heading)}</h1>{body}", base)
+    return heading, f"<h1>{escape(heading)}</h1>{body}"
 
 
-def class_list(folder: Path, base: str) -> str:
+def class_list(folder: Path, base: str, done: Collection[str]) -> tuple[str, str]:
     """The exercises, each with a tick."""
-    done, rows = read_json(folder / answers.TICKS), ""
+    rows = "<tr><th>done</th><th>lesson</th><th>exercise</th></tr>"
     for key in answers.exercises():
         tick = f'<input type="checkbox" aria-label="done" data-tick="{key}"{" checked" * (key in done)}>'
         # The texts stand in a page of docs/guide.
         own = re.sub(r'href="(?!\w+:)', f'href="{base}docs/guide/', editor(key))
-        rows += f"<tr><td>{tick}</td><td>{key[:2]}</td><td>{own}</td></tr>"
-    about = f"<h1>Class list</h1><p>It is kept in {escape(str(folder / answers.TICKS))}.</p><table>{rows}</table>"
-    return whole("Class list", about, base)
+        link = f'<a href="{base}docs/guide/{key}.md">{key[:2]}</a>'
+        rows += f"<tr><td>{tick}</td><td>{link}</td><td>{own}</td></tr>"
+    about = f"<h1>Exercises</h1><p>It is kept in {escape(str(folder / answers.TICKS))}.</p>"
+    return "Exercises", f"{about}<table>{rows}</table>"
 
 
-def whole(heading: str, body: str, base: str) -> str:
+def whole(heading: str, body: str, base: str, done: Collection[str]) -> str:
     made = (HERE / "page.html").read_text(encoding="utf-8")
-    return made.format(title=escape(heading), side=side(base), body=body, base=base)
+    return made.format(title=escape(heading), side=side(base, done), body=body, base=base)

@@ -1,6 +1,5 @@
 """A block of the guide runs its own commands of kit.py, and nothing else; each line is told as it comes."""
 
-import random
 import re
 import shlex
 import socket
@@ -19,6 +18,8 @@ FIELD = re.compile(r"(--(?!client)[\w-]+) ([\w.][\w./|-]*|'[^']*')")
 VALUE = re.compile(r"[\w ./|:+-]{1,80}")
 # A terminal is the place for servers that other machines reach, for folders, and for two commands in a line.
 ELSEWHERE = re.compile(r"--folder|--open-to-anyone|tcp://(?!127\.0\.0\.1\b)| ; ")
+# The first guide on this machine has this UDP port, and so the lessons' own ports.
+FIRST = 5550
 # The client has ended, and the page of messages is still there.
 STAYS = f"kit    | {run.STAYS}"
 
@@ -64,21 +65,27 @@ def place(lesson: Lesson) -> list[str]:
         return [] if probe.connect_ex(("127.0.0.1", lesson.port)) else ["--endpoint", lesson.anywhere]
 
 
-def apart(lesson: Lesson) -> list[str]:
-    """An endpoint that no other run takes while its server is started anew.
+def apart(lesson: Lesson, number: int) -> list[str]:
+    """An endpoint by a number of up to 10,000, which no other run takes while its server is started anew.
 
     The system gives these ports to no client: one that retries could otherwise be connected to itself.
     """
-    return ["--endpoint", lesson.anywhere.replace(":0", f":{random.randrange(20_000, 30_000)}")]
+    return ["--endpoint", lesson.anywhere.replace(":0", f":{20_000 + (number + lesson.port) % 10_000}")]
 
 
-def arranged(words: list[str], origin: str, folder: Path | None) -> list[str]:
-    """A run's words, with a place for it and for its files, and with its page of messages in one of this origin's."""
+def arranged(words: list[str], origin: str, folder: Path | None, number: int) -> list[str]:
+    """A run's words, with a place for it and for its files, and with its page of messages in one of this origin's.
+
+    With a number it leaves the lessons' own ports to others.
+    """
     if words[0] not in ("run", "server", "client"):
         return words
     lesson = find(words[1])
     more = ["--folder", str(folder / lesson.key[:2])] if folder else []
-    more += ["--watch", "--frame", origin] if origin else place(lesson) if words[0] == "run" else []
+    if origin:
+        more += ["--watch", "--frame", origin]
+    elif number or words[0] == "run":
+        more += apart(lesson, number) if number else place(lesson)
     return [*words[:2], *more, *(word for word in words[2:] if word != "--watch")]
 
 

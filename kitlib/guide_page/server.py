@@ -25,7 +25,7 @@ from kitlib.commands.run import open_in_browser
 from kitlib.docs import guide
 from kitlib.files import put
 from kitlib.guide_page import answers, pages, runs
-from kitlib.lessons import ROOT, KitError, find
+from kitlib.lessons import ROOT, KitError, find, read_json
 from kitlib.programs import heard
 from kitlib.signals import uninterrupted
 from kitlib.terminal import say
@@ -57,6 +57,8 @@ class Guide(ThreadingTCPServer):
         self.folder, self.leave, self.answers = folder, leave, answers
         self.port, self.base = self.server_address[1], f"/{secrets.token_urlsafe(16)}/"
         self.stopping = False
+        # 0: the lessons' own ports are for this guide.
+        self.number = 1 + secrets.randbelow(9_999)
 
     def handle_error(self, *about: Any) -> None:
         """A browser that has closed a tab is no mistake."""
@@ -103,13 +105,16 @@ class Handler(BaseHTTPRequestHandler):
             return self.answer(PLAIN, "", 302, Location=f"{base}docs/guide/start_here.md")
         if name == "search.json":
             return self.answer(JSON, pages.search())
-        if name == "class":
-            return self.answer(HTML, pages.class_list(self.server.folder, base))
-        if path not in pages.known():
+        if path not in pages.known() and name != "class":
             return self.answer(PLAIN, "the guide has no such page", 404)
         if path.suffix in TYPES:
             return self.answer(TYPES[path.suffix], path.read_bytes())
-        return self.answer(HTML, pages.page(path, base, function, self.server.answers))
+        done = read_json(self.server.folder / answers.TICKS)
+        if name == "class":
+            title, body = pages.class_list(self.server.folder, base, done)
+        else:
+            title, body = pages.page(path, base, function, self.server.answers)
+        return self.answer(HTML, pages.whole(title, body, base, done))
 
     def do_POST(self) -> None:
         does = {"run": self.run, "own": self.own, "edit": self.edit, "tick": self.tick}
@@ -142,8 +147,10 @@ class Handler(BaseHTTPRequestHandler):
         if "text" in wish and not newer:
             text = str(wish["text"])
             put(path, text.encode())
-        at = text.find("\n", text.rfind("Your own")) + 1
-        found = {"path": str(path), "text": text, "at": at, "error": answers.mistake(path), "newer": newer}
+        # From 1 on: where Python has stopped, or else where the reader begins.
+        error, line = answers.mistake(path)
+        at = line or text.count("\n", 0, text.rfind("Your own")) + 2
+        found = {"path": str(path), "text": text, "at": at, "error": error, "newer": newer}
         self.answer(JSON, json.dumps(found))
 
     def tick(self, wish: dict[str, Any]) -> None:
@@ -159,7 +166,7 @@ class Handler(BaseHTTPRequestHandler):
             raise KitError("this page has no such command: load it anew")
         words, shown = steps[step], runs.filled(blocks[0], wish["values"]).splitlines()[step]
         origin = f"http://{self.headers['Host']}" if wish["watch"] or "--watch" in words else ""
-        arranged = runs.arranged(words, origin, self.server.leave)
+        arranged = runs.arranged(words, origin, self.server.leave, self.server.number)
         self.play(shown, ROOT, [arranged], lambda lines: guide.verdict(page, words, lines))
 
     def own(self, wish: dict[str, Any]) -> None:
@@ -170,7 +177,15 @@ class Handler(BaseHTTPRequestHandler):
         options = check or [str(wish["options"])]
         if not all(each.isprintable() and not runs.ELSEWHERE.search(each) for each in options):
             raise KitError("here a client takes its own options alone, such as --count 3")
-        words = ["run", str(path), *runs.apart(lesson), "--client", "python", "--folder", str(path.parent)]
+        words = [
+            "run",
+            str(path),
+            *runs.apart(lesson, secrets.randbelow(10_000)),
+            "--client",
+            "python",
+            "--folder",
+            str(path.parent),
+        ]
         words += [] if check else ["--reload"]
         shown = "; ".join(f'python3 kit.py run {path} --options="{each}"' for each in options)
         steps = [[*words, f"--options={each}"] for each in options]
@@ -211,7 +226,10 @@ def serve(folder: Path, leave: Path | None, answers: bool) -> int:
     say(f"{'opening' if open_in_browser(address) else 'open'} {address} in a browser; Ctrl-C ends it")
     # A shell's & has Ctrl-C ignored, also by all programs that are started here, which end by it.
     signal.signal(signal.SIGINT, signal.default_int_handler)
-    with suppress(KeyboardInterrupt):
+    with socket.socket(type=socket.SOCK_DGRAM) as first, suppress(KeyboardInterrupt):
+        with suppress(OSError):
+            first.bind(("127.0.0.1", runs.FIRST))
+            server.number = 0
         server.serve_forever(0.2)
     with uninterrupted():
         server.stopping = True
