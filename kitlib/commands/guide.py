@@ -28,7 +28,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def do(options: argparse.Namespace) -> int:
     if options.report:
         return answers.report(options.report)
-    folder = (options.folder or ROOT / "answers").absolute()
+    folder = (options.folder or ROOT / "answers").resolve()
     try:
         from kitlib.guide_page import server
     except ModuleNotFoundError:

@@ -86,24 +86,30 @@ def tick(folder: Path, key: str, how: str) -> None:
 
 def ticks(path: Path) -> dict[str, str]:
     """How each exercise was done; an error where the guide did not write the file so."""
-    known = exercises()
-    done = {key: how for key, how in json.loads(path.read_text(encoding="utf-8-sig")).items() if key in known}
-    if not all(how in ("checked", "ticked") for how in done.values()):
+    known, written = exercises(), json.loads(path.read_text(encoding="utf-8-sig"))
+    done = {key: how for key, how in written.items() if key in known}
+    if not all(how in ("checked", "ticked") for how in done.values()) or (written and not done):
         raise ValueError(done)
     return done
 
 
+def places(folder: Path) -> list[Path]:
+    """Where its exercises are: there, or in the folder `answers` that the kit makes."""
+    return [path for path in (folder / TICKS, folder / "answers" / TICKS) if path.exists()]
+
+
 def report(folders: Sequence[Path]) -> int:
-    """Print a row for each folder: which exercises were checked, and which ticked by hand."""
+    """Print a row for each folder, or for each in it: which exercises were checked, and which ticked by hand."""
+    of = {folder: sorted(path for path in folder.glob("*") if places(path)) for folder in folders}
+    folders = [each for folder in folders for each in ([folder] if places(folder) else of[folder] or [folder])]
     # A name of a pupil's may hold what a terminal takes for a command.
     names = ["".join(each if each.isprintable() else "?" for each in str(folder)) for folder in folders]
     wide = max(map(len, names))
     print(" " * wide, *(f"{key[:2]:7}" for key in exercises()), sep="  ")
     for name, folder in zip(names, folders, strict=True):
-        path = next((each for each in (folder / TICKS, folder / "answers" / TICKS) if each.exists()), folder / TICKS)
         done, why = {}, ""
         try:
-            done = ticks(path)
+            done = ticks((places(folder) or [folder / TICKS])[0])
         except FileNotFoundError:
             why = f"{name} has no {TICKS}: name the folder that `kit.py guide` names when it starts"
         except (OSError, ValueError, AttributeError, RecursionError):

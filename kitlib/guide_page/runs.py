@@ -16,8 +16,8 @@ COMMANDS = {"run": run, "server": server, "client": client, "doctor": doctor, "t
 # Options that may get another value, and values that end neither a word nor a command.
 FIELD = re.compile(r"(--(?!client)[\w-]+) ([\w.][\w./|-]*|'[^']*')")
 VALUE = re.compile(r"[\w ./|:+-]{1,80}")
-# A terminal is the place for servers that other machines reach, for folders, and for two commands in a line.
-ELSEWHERE = re.compile(r"--folder|--open-to-anyone|tcp://(?!127\.0\.0\.1\b)| ; ")
+# A terminal is the place for servers that other machines reach, for folders and files, and for two commands in a line.
+ELSEWHERE = re.compile(r"--folder|--open-to-anyone|/server\.py|tcp://(?!127\.0\.0\.1\b)| ; ")
 # The first guide on this machine has this UDP port, and so the lessons' own ports.
 FIRST = 5550
 # The client has ended, and the page of messages is still there.

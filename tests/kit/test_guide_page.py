@@ -173,6 +173,7 @@ def test_an_exercise_is_edited_checked_and_reported(tmp_path):
         (tmp_path / "cy").mkdir()
         shutil.copytree(site.folder, tmp_path / "cy" / "answers")
         folders = (site.folder, tmp_path / "bo", tmp_path / "cy")
+        assert reported(tmp_path).stdout.count("checked") == 2
     report = reported(*folders)
     rows = [line.split() for line in report.stdout.splitlines()]
     assert [row for row in rows if not row[0].startswith("kit")][:4] == [
@@ -190,7 +191,17 @@ def reported(*folders):
 
 def test_a_file_of_a_pupil_that_the_guide_did_not_write_is_one_line(tmp_path):
     """The table has a row and a line for it, whatever is in it and in the name of its folder."""
-    odd = ["[" * 100_000, "not JSON", "7", "null", '["ab"]', "\xff", "9" * 5000, '{"01_request_reply": ["checked"]}']
+    odd = [
+        '{"name": "my-app"}',
+        "[" * 100_000,
+        "not JSON",
+        "7",
+        "null",
+        '["ab"]',
+        "\xff",
+        "9" * 5000,
+        '{"01_request_reply": ["checked"]}',
+    ]
     odd += [json.dumps({"01_request_reply": how}) for how in ("\33[2J", 1, None, {"a": "b"}, "checked\n02")]
     # Windows has no such names.
     name = "" if os.name == "nt" else "\33]0;x\7"
