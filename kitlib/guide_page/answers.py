@@ -69,7 +69,7 @@ def own_server(folder: Path, key: str) -> Path:
 
 
 def mistake(path: Path) -> tuple[str, int]:
-    """What Python does not understand, if anything, and the number of its line."""
+    """Python's complaint about it, if it has any, and the number of the line."""
     try:
         compile(path.read_bytes(), path.name, "exec")
     except (SyntaxError, ValueError, MemoryError, RecursionError) as error:
