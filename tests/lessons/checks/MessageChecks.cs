@@ -54,16 +54,20 @@ namespace NetMQExample.Tests
             }
             foreach (var id in new[] { -1, 1L << 53 }) Console.WriteLine(Written(() => new Message("echo", id)));
             foreach (var shape in new[] { new[] { -1, -1 }, new int[9], new[] { 0, int.MaxValue } })
-                Console.WriteLine(Written(() => new Message("echo")
-                    { Arrays = { new MessageArray("uint8", new byte[shape[1] == -1 ? 1 : 0], shape) } }));
+                Console.WriteLine(Written(() => Of(new MessageArray("uint8", new byte[shape[1] < 0 ? 1 : 0], shape))));
             // All arrays together are as many bytes as they may be, and then one more.
             foreach (var size in new[] { Message.LimitBytes - 1, Message.LimitBytes })
             {
-                var message = new Message("echo");
-                message.Arrays.Add(new MessageArray("uint8", new byte[1], 1));
-                message.Arrays.Add(new MessageArray("uint8", new byte[size], size));
-                Console.WriteLine(Written(() => message));
+                var small = new MessageArray("uint8", new byte[1], 1);
+                Console.WriteLine(Written(() => Of(small, new MessageArray("uint8", new byte[size], size))));
             }
+        }
+
+        private static Message Of(params MessageArray[] arrays)
+        {
+            var message = new Message("echo");
+            message.Arrays.AddRange(arrays);
+            return message;
         }
 
         private static string Written(Func<Message> make)
