@@ -83,7 +83,8 @@ def make(name: str) -> Any:
     where, _, count = name.partition("@")
     options: dict[str, Any]
     pole = "NetMQExample/CartPole-v0"
-    size = [int(length) for length in re.findall(r"\d+", where)]
+    # The 3 of sb3 is no size.
+    size = [int(length) for length in re.findall(r"\d+", where)] if where.startswith(("echo", "see")) else []
     if where.startswith("echo"):
         return Echo(int(count or 1), 3 * math.prod(size) if size else 16)
     if size:

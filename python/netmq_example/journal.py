@@ -14,8 +14,8 @@ import sqlite3
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from netmq_example import arguments, check
-from netmq_example.errors import Error
+from netmq_example import check
+from netmq_example.errors import Error, Misfit
 from netmq_example.one_process import OneProcess
 from netmq_example.program import sendable
 from netmq_example.trouble import ends_program, told
@@ -87,10 +87,10 @@ class Journal(OneProcess):
         reply = ""
         try:
             with self.db:
-                # An empty reply would look like none.
-                reply = arguments.text("reply", answer(self.db, text))
+                reply = answer(self.db, text)
                 # Before it is written down: no client would ever get it.
-                sendable(reply)
+                if not sendable(reply):
+                    raise Misfit("answer returned an empty text, which would look like no reply")
                 # A mistake may be asked again. Were it written down, a flood of mistakes would drive out what was done.
                 if reply.startswith("error:"):
                     # Each retry would repeat its changes so far.

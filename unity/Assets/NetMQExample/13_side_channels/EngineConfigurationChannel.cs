@@ -1,11 +1,10 @@
 // Lesson 13, engine settings: how fast the game's time passes, and how it is drawn. From Python to Unity.
 //
 // One message for each setting: its number as int32, then int32 width and height, or float32 time scale, or one int32.
-// The Python side is engine_configuration_channel.py.
+// The Python side is engine_configuration_channel.py, and what Unity does with them is in EngineSettings.cs.
 using System;
 using System.Globalization;
 using System.Linq;
-using UnityEngine;
 
 namespace NetMQExample.MLAgents.SideChannels
 {
@@ -80,20 +79,5 @@ namespace NetMQExample.MLAgents.SideChannels
 
         private static string Name(ConfigurationType kind) => string.Concat(kind.ToString()
             .Select((c, i) => char.IsUpper(c) && i > 0 ? $" {c}" : $"{c}")).ToLowerInvariant();
-    }
-
-    /// <summary>Sets what EngineConfigurationChannel hears of. On the main thread.</summary>
-    public static class EngineSettings
-    {
-        public static void Apply(ConfigurationType kind, double[] values)
-        {
-            Debug.Log(EngineConfigurationChannel.Describe(kind, values));
-            var value = (int)values[0];
-            if (kind == ConfigurationType.ScreenResolution) Screen.SetResolution(value, (int)values[1], false);
-            if (kind == ConfigurationType.QualityLevel) QualitySettings.SetQualityLevel(value, true);
-            if (kind == ConfigurationType.TimeScale) Time.timeScale = (float)values[0];
-            if (kind == ConfigurationType.TargetFrameRate) Application.targetFrameRate = value;
-            if (kind == ConfigurationType.CaptureFrameRate) Time.captureFramerate = value;
-        }
     }
 }
