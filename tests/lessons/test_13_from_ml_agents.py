@@ -331,6 +331,8 @@ def test_a_project_moves_in_as_the_page_says(tmp_path, start, console, netmq):
     (tmp_path / "loop.py").write_text(loop.replace("env.close()", f"{SHOWN}env.close()"), encoding="utf-8")
     (tmp_path / "Behavior.cs").write_text(BEHAVIOR, encoding="utf-8")
     python = start(PYTHON, tmp_path / "loop.py", PYTHONPATH=str(ROOT / "python"))
+    # A scene that finds no Python goes on by its Heuristic, as with ML-Agents.
+    python.wait_for("^waiting for a simulator")
     files = [tmp_path / "Behavior.cs", root / "Assets" / "Chaser.cs"]
     words = ["--target", "Target", "--add", "DecisionRequester", "--mlagents-port", f"{port}"]
     player = start(PYTHON, ROOT / "kit.py", "play", *files, *words)
@@ -343,6 +345,7 @@ def test_a_project_moves_in_as_the_page_says(tmp_path, start, console, netmq):
     assert "such as a GymManager or one with side channels, has the connection" in both.stdout + both.stderr
     # A Python that thinks does not keep a player that is to end.
     thinking = start(PYTHON, "-c", THINKS.format(port=port), PYTHONPATH=str(ROOT / "python"))
+    thinking.wait_for("^waiting for a simulator")
     player = start(PYTHON, ROOT / "kit.py", "play", *files, *words)
     player.wait_for("^simulating Main")
     assert player.stop(signal.SIGINT) != 0 and "stopped" in player.lines
