@@ -329,11 +329,11 @@ BUILDS = {"linux": "Game.x86_64", "darwin": "Game.app/Contents/MacOS/My Game", "
 
 @pytest.mark.parametrize("platform", BUILDS)
 def test_a_build_is_found_by_each_systems_name_of_it(platform, tmp_path, monkeypatch):
+    assert env_utils.validate_environment_path(" ") is None
     monkeypatch.setattr(sys, "platform", platform)
     folder = tmp_path / "Build [1]"
     with pytest.raises(FileNotFoundError, match=r"no game at .*Game: there is neither this file nor .*Game\."):
         launch.game(folder / "Game")
-    assert env_utils.validate_environment_path(" ") is None
     (folder / "Game_Data").mkdir(parents=True)
     for build in BUILDS.values():
         (folder / build).parent.mkdir(parents=True, exist_ok=True)
