@@ -177,16 +177,8 @@ class Handler(BaseHTTPRequestHandler):
         options = check or [str(wish["options"])]
         if not all(each.isprintable() and not runs.ELSEWHERE.search(each) for each in options):
             raise KitError("here a client takes its own options alone, such as --count 3")
-        words = [
-            "run",
-            str(path),
-            *runs.apart(lesson, secrets.randbelow(10_000)),
-            "--client",
-            "python",
-            "--folder",
-            str(path.parent),
-        ]
-        words += [] if check else ["--reload"]
+        words = ["run", str(path), *runs.apart(lesson, secrets.randbelow(10_000)), "--client", "python"]
+        words += ["--folder", str(path.parent), *([] if check else ["--reload"])]
         shown = "; ".join(f'python3 kit.py run {path} --options="{each}"' for each in options)
         steps = [[*words, f"--options={each}"] for each in options]
         self.play(

@@ -411,3 +411,10 @@ def test_a_server_without_numpy_says_so_and_goes_on(start, context, tmp_path):
     assert asked(context, endpoint, Message("echo", 9)) == Message("ok", 9)
     assert server.stop() == 0
     assert "Traceback" not in server.output
+
+
+def test_the_limit_counts_bytes_and_not_items():
+    np = pytest.importorskip("numpy", **NUMPY)
+    header = b'{"kind":"k","version":1,"id":1,"values":{},"arrays":[{"dtype":"float32","shape":[2,9000000]}]}'
+    with pytest.raises(MessageError, match=r"^too-big: "):
+        Message.read([header, np.zeros((2, 9_000_000), "float32")])
