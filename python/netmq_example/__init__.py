@@ -17,7 +17,7 @@ if sys.version_info < (3, 11):
         " and then open a new terminal" % sys.version_info[:2]
     )
 
-__version__ = "0.3.0"
+__version__ = "0.4.0"
 
 if TYPE_CHECKING:
     from netmq_example.front_door import *  # noqa: F403, a type checker has all of them.

@@ -15,6 +15,7 @@ from kitlib.lessons import PACKAGE
 from kitlib.unity import scripts
 from kitlib.unity.inventory import LIBRARIES, NETMQ
 from kitlib.unity.meta import assets, behaviours, guid, meta_of, own_guid
+from netmq_example import __version__
 from tests.programs import ROOT
 from tests.unity.conftest import PREFAB
 
@@ -301,6 +302,7 @@ def test_the_package_is_valid():
     assert package["displayName"] and package["description"] and package["license"]
     project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     assert f'version = "{package["version"]}"' in project, "one version for the whole kit"
+    assert package["version"] == __version__
     # The project has all that the package needs of Unity.
     manifest = json.loads((UNITY / "Packages" / "manifest.json").read_text(encoding="utf-8"))
     assert package["dependencies"].items() <= manifest["dependencies"].items()
