@@ -11,13 +11,22 @@
 All of them can be pickled. A program that ends by one prints its text, and its exit code is 1.
 """
 
+import warnings
+from typing import TYPE_CHECKING
+
 
 class Error(Exception):
     """An error of the other side or the network; its text names cause and cure."""
 
 
-# Its name in version 0.3, which ends with the next one.
-GaveUp = Error
+# Hidden from a type checker, to which any name would exist.
+if not TYPE_CHECKING:
+
+    def __getattr__(name: str) -> type[Error]:
+        if name != "GaveUp":
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        warnings.warn(f"{__name__}.GaveUp is netmq_example.Error now, and ends with the next version", DeprecationWarning, 2)
+        return Error
 
 
 class Timeout(Error, TimeoutError):

@@ -107,6 +107,8 @@ def test_what_version_0_3_called_otherwise():
     for old, name in {"read": "Message.read", "read_reply": "Message.read_reply", "reply_to": "message_reply"}.items():
         with pytest.warns(DeprecationWarning, match=rf"^netmq_example\.messages\.{old} is netmq_example\.{name} now"):
             assert getattr(messages, old) is attrgetter(name)(netmq_example)
+    with pytest.warns(DeprecationWarning, match=r"^netmq_example\.errors\.GaveUp is netmq_example\.Error now"):
+        assert errors.GaveUp is netmq_example.Error
     with zmq.Context() as context, context.socket(zmq.SUB) as socket, pytest.warns(DeprecationWarning):
         assert former("TopicListener", socket, steady_endpoint(), "pose/").topic == "pose/"
     lines = []
