@@ -30,12 +30,14 @@ TIMEOUT = 120.0
 GOODBYE, MOMENT = 5.0, 1.0
 # In bytes; what is longer is given in parts.
 LONGEST_LINE = 4000
+# Of a program that prints without end the last ones are kept.
+MOST_LINES = 20_000
 Command = Sequence[str | Path]
 Environment = Mapping[str, str] | None
 
 
 class Program:
-    """A running program. `lines` grows as it prints, stdout and stderr together; `heard` gets each line too."""
+    """A running program. `lines` are its last ones, stdout and stderr together; `heard` gets each line."""
 
     def __init__(
         self,
@@ -76,6 +78,7 @@ class Program:
                     self._heard(text)
                 with self._news:
                     self.lines.append(text)
+                    del self.lines[:-MOST_LINES]
                     self._news.notify_all()
         with self._news:
             self.ended = True

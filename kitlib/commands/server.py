@@ -45,7 +45,7 @@ def do(options: argparse.Namespace) -> int:
         return run_reloading(again, [lesson.python, *others, PYTHON / IMPORT_NAME])
     python = python_setup.interpreter(lesson.key)
     if any("0.0.0.0" in word for word in options.words):
-        say(f"0.0.0.0 stands for every network that this machine is in; other machines connect to {address()}")
+        say(f"0.0.0.0 stands for every network of this machine; in a client's --endpoint take instead {address()}")
     command, folder = [*server_command(lesson, python), *options.words], lesson.folder(options.folder)
     if lesson.behind and "--help" not in options.words:
         return run(folder, command, [], [], behind(lesson, python, options.words), [])

@@ -26,14 +26,12 @@ from kitlib.docs import guide
 from kitlib.files import put
 from kitlib.guide_page import answers, pages, runs
 from kitlib.lessons import ROOT, KitError, find, read_json
-from kitlib.programs import heard
+from kitlib.programs import MOST_LINES, heard
 from kitlib.signals import uninterrupted
 from kitlib.terminal import say
 
 HTML, PLAIN, JSON = "text/html; charset=utf-8", "text/plain; charset=utf-8", "application/json"
 Verdict = Callable[[Sequence[str]], Mapping[str, str | bool]]
-# Of an endless loop a verdict sees the last lines.
-MOST_LINES = 20_000
 TYPES = {".svg": "image/svg+xml", ".png": "image/png", ".gif": "image/gif"}
 TYPES |= {".css": "text/css", ".js": "text/javascript"}
 HEADERS = {

@@ -120,6 +120,7 @@ class Journal(OneProcess):
             raise Error(f"cannot use the journal {self.path}: {error}; try another file") from None
 
     def ready(self, request_id: bytes) -> None:
+        self.check_process()
         check.instance("request_id", request_id, bytes)
         if not 0 < len(request_id) <= LONGEST_ID_BYTES:
             raise ValueError(f"request_id takes 1 to {LONGEST_ID_BYTES} bytes, not {len(request_id)}")

@@ -181,7 +181,8 @@ class Server(OneProcess):
             way, id, text = id_and_text(frames)
             body = [text]
             if id:
-                key = (() if len(id) >= LEAST_UNIQUE else tuple(way), id, text)
+                # A way is kept as a number: it may be as long as its peer likes.
+                key = (0 if len(id) >= LEAST_UNIQUE else hash(tuple(way)), id, text)
         if not welcome:
             self.send(way, self.refusal("refused", "your key is not on the list, or not any more"))
         elif self.journal:

@@ -428,11 +428,16 @@ def test_no_first_line_sends_windows_to_another_python():
     assert KIT.read_text(encoding="utf-8").startswith('"""')
 
 
+def test_of_a_program_that_prints_without_end_the_last_lines_are_kept(start):
+    program = start(PYTHON, "-c", "for number in range(30_000): print(number)")
+    assert program.wait() == 0 and program.lines == [str(number) for number in range(10_000, 30_000)]
+
+
 def test_server_and_client_are_the_halves_of_run(start):
     mark = Mark()
     everywhere = ["--endpoint", "tcp://0.0.0.0:0", "--open-to-anyone"]
     server = start(PYTHON, KIT, "server", "1", *everywhere, **mark.environment)
-    assert re.search(r"other machines connect to (\d+\.|its address, but)", server.wait_for("^kit ").string)
+    assert re.search(r"--endpoint take instead (\d+\.|its address, which)", server.wait_for("^kit ").string)
     endpoint = server.wait_for(r"^listening on (\S+)")[1].replace("0.0.0.0", "127.0.0.1")
     client = start(PYTHON, KIT, "client", "1", "--client", "python", "--endpoint", endpoint, "--count", "3")
     assert client.wait(500) == 0, client.output

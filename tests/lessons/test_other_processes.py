@@ -82,6 +82,7 @@ import os, sys
 sys.path[:0] = [{root!r}, {root!r} + "/python"]
 from netmq_example.envs.simulators import FREE_PORT, Simulators
 from netmq_example.fleet.trainer import FleetSocket
+from netmq_example.journal import Journal
 from netmq_example.messages import Message
 from netmq_example.video.films import Films
 from tests.lessons.uses import USES
@@ -93,6 +94,7 @@ made = {{name: (make(nowhere), use) for name, (make, use) in USES.items()}} | {{
     "waiting": (simulators, lambda it: it.find(print)),
     "Films": (Films(FREE_PORT), lambda it: it.wait(0.1)),
     "FleetSocket": (FleetSocket(nowhere, "CartPole", 1), lambda it: it.recv_multipart()),
+    "Journal": (Journal(sys.argv[1]), lambda it: it.find(b"1")),
 }}
 if os.fork():
     os.wait()
@@ -109,14 +111,14 @@ os._exit(0)
 
 
 @posix
-def test_the_use_of_a_parents_socket_after_a_fork_is_refused_at_once():
+def test_the_use_of_a_parents_socket_after_a_fork_is_refused_at_once(tmp_path):
     pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
     pytest.importorskip("PIL", reason="lesson 12 needs pillow: kit.py run 12 installs it")
-    done = finished([PYTHON, "-c", FORKS.format(root=str(ROOT))])
+    done = finished([PYTHON, "-c", FORKS.format(root=str(ROOT)), tmp_path / "journal"])
     *lines, last = [line for line in done.stdout.splitlines() if "press Play" not in line]
     assert last == "all", done
     cure = "this was made in another process: make a new one in this process, after the fork"
-    assert len(lines) == len(USES) + 4 and all(line.endswith(f" {cure}") for line in lines), done.stdout
+    assert len(lines) == len(USES) + 5 and all(line.endswith(f" {cure}") for line in lines), done.stdout
 
 
 def test_a_forgotten_client_ends_its_thread():

@@ -172,10 +172,12 @@ def test_a_request_may_have_an_id_or_an_empty_frame_or_none(server, context):
 
 def test_behind_a_broker_each_client_has_its_own_short_ids(server, work, connect):
     broker = connect(server.endpoint)
-    for client in (b"a", b"b", b"a"):
+    for client in (b"a", b"b" * 1001, b"a"):
         broker.send_multipart([client, b"", b"1", b"add 1"])
         assert broker.recv_multipart() == [client, b"", b"1", b"ADD 1"]
     assert work.done == ["add 1", "add 1"]
+    # However long its way is, it is not kept.
+    assert "bbb" not in str(server.known)
 
 
 def test_more_than_its_workers_can_do_is_refused_at_once(work, connect):
