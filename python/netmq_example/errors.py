@@ -25,7 +25,8 @@ if not TYPE_CHECKING:
     def __getattr__(name: str) -> type[Error]:
         if name != "GaveUp":
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-        warnings.warn(f"{__name__}.GaveUp is netmq_example.Error now, and ends with the next version", DeprecationWarning, 2)
+        why = f"{__name__}.GaveUp is netmq_example.Error now, and ends with the next version"
+        warnings.warn(why, DeprecationWarning, 2)
         return Error
 
 
