@@ -297,6 +297,15 @@ def test_who_comes_for_another_one_begins_when_python_knows_that_it_has_left(at_
     assert [each[0]["ticks"][0].tolist() for each in answers[1:]] == [[0], [1], [2]]
 
 
+def test_who_comes_back_where_another_has_its_number_gets_a_free_one(at_work):
+    env = at_work(UnityParallelEnv, "ann ann bob")
+    env.reset(seed=1)
+    for first, second, third in (("", "leave", ""), ("", "", "hire ann"), ("go late", "", ""), ("", "", "recall")):
+        plans = {"ann_0": first, "ann_1": second, "bob": third}
+        env.step({agent: plans[agent] for agent in env.agents})
+    assert env.agents == ["ann_0", "ann_1", "bob"]
+
+
 def test_in_a_vector_who_is_away_has_no_rewards_and_no_ends(at_work):
     envs = at_work(UnityVectorEnv, "ann ann", num_envs=2)
     envs.reset(seed=1)
@@ -498,6 +507,15 @@ def test_an_agent_nobody_knows_and_an_action_outside_its_space(played):
         with pytest.raises(MessageError, match=text):
             played.simulators.ask(request)
     assert set(played.step(fine)[0]) == set(fine), "it goes on"
+
+
+def test_a_batch_that_is_none_is_named(at_work):
+    """Of texts Gymnasium makes no array, and takes it for a space that it does not know."""
+    envs = at_work(UnityVectorEnv, "ann ann", num_envs=2)
+    envs.reset(seed=1)
+    for wrong in (None, 1, ("",)):
+        with pytest.raises(ValueError, match=r"^actions .* are not in Tuple\(Text"):
+            envs.step(wrong)
 
 
 # Real time

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 from gymnasium import spaces
+from gymnasium.error import CustomSpaceError
 from gymnasium.spaces import Space
 from gymnasium.vector.utils import batch_space, iterate
 
@@ -90,7 +91,7 @@ class Actions:
                 section.values = (block if steps is None else block[steps]).tobytes()
                 return
             rows = [self.row(action) for action in iterate(self.batch, batch)]
-        except REASONS as error:
+        except (*REASONS, CustomSpaceError) as error:
             raise self.refused(self.batch, batch, error) from None
         if len(rows) != self.count:
             raise self.refused(self.batch, batch)

@@ -110,9 +110,11 @@ class Roster:
             raise MessageError("two-kinds", str(error)) from None
         if agent.name in kind.names:
             row = kind.names.index(agent.name)
-            if kind.present[row] is not None:
+            if kind.present[row] is None:
+                return kind, row if kind.is_free(row) else WAITS
+            # Whoever has had a row has its name from there, and takes another one.
+            if not place:
                 raise MessageError("two-agents", f"2 agents are named {agent.name!r}: each needs a name of its own")
-            return kind, row if kind.is_free(row) else WAITS
         # The next free number; that of one who has left only where there is no other.
         empty = [row for row, one in enumerate(kind.present) if one is None]
         for row in sorted(empty, key=lambda row: kind.last[row] is not None):
