@@ -2,6 +2,7 @@
 nor a script may do to the films.
 """
 
+import contextlib
 import runpy
 import sys
 import threading
@@ -508,6 +509,20 @@ def test_what_nobody_foresaw_ends_the_films_and_not_their_thread(films, game, mo
     monkeypatch.undo()
     assert films.wait() == {"one": (64, 48), "two": (32, 24)}, "the game came back"
     assert films.end_render("one").over
+
+
+def test_two_threads_may_be_the_first_to_use_them(monkeypatch):
+    with Films("tcp://127.0.0.1:0") as films:
+        start, both = films.thread.start, threading.Barrier(2)
+
+        def meets():
+            with contextlib.suppress(threading.BrokenBarrierError):
+                both.wait(0.2)
+            start()
+
+        monkeypatch.setattr(films.thread, "start", meets)
+        with ThreadPoolExecutor(2) as pool:
+            assert [*pool.map(lambda _: films.start(), range(2))] == [None, None]
 
 
 def test_a_line_that_cannot_be_told_ends_nothing(films, game, monkeypatch):

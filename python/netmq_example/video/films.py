@@ -171,8 +171,9 @@ class Films(OneProcess):
         self.check_process()
         if self.over.is_set():
             raise ValueError("these films are closed: make new ones")
-        if not self.thread.is_alive():
-            self.thread.start()
+        with self.at_work:
+            if not self.thread.is_alive():
+                self.thread.start()
 
     def ask(self, kind: str, values: dict[str, Any], film: ViewFilm | None = None) -> None:
         """Ask the game for something, and wait until it is done. Refused is its refusal."""
