@@ -80,7 +80,7 @@ def csharp_rows() -> Iterator[Row]:
     sdk = dotnet.sdk()
     if not sdk:
         package = " (on Linux perhaps the package dotnet-sdk-8.0)" if sys.platform.startswith("linux") else ""
-        yield False, ".NET SDK", f"{dotnet.DOWNLOAD}{package}; until then the Python clients run"
+        yield False, ".NET SDK", f"{dotnet.download()}{package}; until then the Python clients run"
         return
     yield True, ".NET SDK", sdk
     try:

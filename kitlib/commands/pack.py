@@ -45,7 +45,7 @@ def do(options: argparse.Namespace) -> int:
         raise UsageError(f"--python takes a version of 3.11 or later, such as 3.13, not {version}")
     sdk = dotnet.sdk()
     if not sdk:
-        raise KitError(dotnet.DOWNLOAD)
+        raise KitError(dotnet.download())
     folder.mkdir(parents=True, exist_ok=True)
     for tags in SYSTEMS[system]:
         wheels(folder, system, version, tags)

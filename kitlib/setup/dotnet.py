@@ -24,7 +24,6 @@ LIBRARIES = ("NetMQExample", "UnityPlayer")
 # A build and a restore hold it: all projects share what stands in .build.
 LOCK = BUILD / "lock"
 INSTALLER = "https://dotnet.microsoft.com/download"
-DOWNLOAD = f"no .NET SDK 8 or later here: get it from {INSTALLER}; just installed: open a new terminal"
 # MSBuild takes every variable for a property, such as VERSION or OutDir, and an empty one for none. The variables that
 # the system and .NET themselves need have one of these names, or an underscore.
 OF_THE_SYSTEM = (
@@ -70,9 +69,20 @@ class DoesNotCompile(KitError):
 
 
 @functools.cache
+def listed() -> Result:
+    return quietly(["dotnet", "--list-sdks"], 60, ENVIRONMENT)
+
+
+def download() -> str:
+    """Why there is no .NET SDK, and the cure. A dotnet that is there and fails says why itself."""
+    why = "no .NET SDK 8 or later here" if listed().code in (0, 127) else f"dotnet fails ({listed().first(*ERRORS)})"
+    return f"{why}: get it from {INSTALLER}; just installed: open a new terminal"
+
+
+@functools.cache
 def sdk() -> str | None:
     """The version of the newest .NET SDK, or None where there is none of 8 or later."""
-    versions = re.findall(r"^(\d+)\.(\S+)", quietly(["dotnet", "--list-sdks"], 60, ENVIRONMENT).output, re.MULTILINE)
+    versions = re.findall(r"^(\d+)\.(\S+)", listed().output, re.MULTILINE)
     recent = [(int(major), f"{major}.{rest}") for major, rest in versions if int(major) >= 8]
     return max(recent)[1] if recent else None
 
@@ -117,7 +127,7 @@ def restore(netmq: NetMQ) -> Result:
 def find_netmq(ask_again: bool = False) -> NetMQ:
     """From the folder of packages, or from NuGet; NoNetMQ says why not."""
     if not sdk():
-        raise NoNetMQ(DOWNLOAD)
+        raise NoNetMQ(download())
     if sign := re.search("%[0-9A-Fa-f]{2}", str(ROOT)):
         raise NoNetMQ(f"MSBuild takes {sign[0]} in {ROOT} for another sign: rename the folder")
     memory = BUILD / "netmq.json"
