@@ -282,11 +282,12 @@ print("and on")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Ctrl-C cannot be sent there")
-def test_ctrl_c_ends_serve_and_the_program_goes_on(start):
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_serve_and_the_program_goes_on(how, start):
     program = start(sys.executable, "-c", SERVE, folder=ROOT / "python")
     with LazyPirate(program.wait_for(r"^listening on (\S+)$")[1], timeout=PATIENT) as pirate:
         assert pirate.request("hi") == "HI"
-    assert program.stop(signal.SIGINT) == 0
+    assert program.stop(how) == 0
     assert program.lines[1:] == ["and on"]
 
 
