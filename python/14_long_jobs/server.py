@@ -26,7 +26,6 @@ from work import KINDS
 from netmq_example.asking import at_least_one
 from netmq_example.errors import Error
 from netmq_example.jobs.jobs import Jobs
-from netmq_example.jobs.journal import Journal
 from netmq_example.large import few_answers_wait
 from netmq_example.program import listening, run, seconds, server_options, whole
 
@@ -44,7 +43,7 @@ def main() -> None:
     parser.add_argument("--crash-on", type=whole, default=0, metavar="N", help="end when a job is at N")
     options = parser.parse_args()
     try:
-        jobs = Jobs(Journal(options.journal), KINDS, options.workers, options.queue, options.grace)
+        jobs = Jobs(options.journal, KINDS, options.workers, options.queue, options.grace)
     except (Error, ValueError) as error:
         parser.error(str(error))
     except TypeError as error:

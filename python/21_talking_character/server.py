@@ -22,7 +22,6 @@ from small_talk import small_talk
 from netmq_example import arguments
 from netmq_example.asking import wrong_usage
 from netmq_example.jobs.jobs import Jobs
-from netmq_example.jobs.journal import Journal
 from netmq_example.large import few_answers_wait
 from netmq_example.program import listening, option, run, seconds, server_options
 from netmq_example.talk.ollama import address, ollama_talk
@@ -45,7 +44,7 @@ def main() -> None:
         talk = functools.partial(ollama_talk, url=options.ollama, model=options.model)
     with wrong_usage(parser):
         # To speak is a job: the words are its feedback, ten times a second at most, which is faster than one reads.
-        jobs = Jobs(Journal(options.journal), {"talk": Kind(talk, most=1000)}, options.workers)
+        jobs = Jobs(options.journal, {"talk": Kind(talk, most=1000)}, options.workers)
     with contextlib.closing(jobs), listening(zmq.ROUTER, options, prepare=few_answers_wait) as socket:
         while True:
             jobs.exchange(socket)

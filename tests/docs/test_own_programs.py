@@ -12,7 +12,7 @@ import pytest
 import zmq
 
 from kitlib.docs import guide
-from netmq_example import LazyPirate, Publisher, TopicListener, errors
+from netmq_example import JobClient, LazyPirate, Publisher, TopicListener, errors
 from netmq_example.pose_stream import snapshots_beside
 from tests.conftest import PYTHON
 from tests.programs import LIMIT, ROOT, finished, steady_endpoint, two_ports
@@ -91,6 +91,17 @@ def test_a_listener_in_python(run):
             publisher.send("pose/", "1 2 3")
             time.sleep(0.01)
         assert set(listener.lines) == {"pose/ 1 2 3"}
+
+
+def test_jobs_of_ones_own(run):
+    (program,) = programs("test_jobs_of_ones_own")
+    endpoint = steady_endpoint()
+    server = run(program, "tcp://127.0.0.1:5564", endpoint)
+    with JobClient(endpoint, tries=20) as client:
+        *_, last = client.watch(client.goal("squares", 12))
+    assert (last.values["status"], last.values["text"]) == ("succeeded", "144")
+    if sys.platform != "win32":
+        assert server.stop(signal.SIGINT) == 0, server.output
 
 
 def test_a_publisher_of_ones_own(run):

@@ -1,6 +1,6 @@
 """The jobs of a server: each ends exactly once, whatever is lost and whichever side is started again.
 
-    jobs = Jobs(Journal("long_jobs.sqlite3"), {"count": Kind(count, most=10_000)}, workers=2)
+    jobs = Jobs("long_jobs.sqlite3", {"count": Kind(count, most=10_000)}, workers=2)
     with closing(jobs):
         while True:
             jobs.exchange(socket)                               with its clients, for 0.1 s at most; it is a ROUTER
@@ -27,6 +27,7 @@ import sqlite3
 import time
 from collections import deque
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import zmq
 
@@ -85,9 +86,9 @@ class Jobs:
     """
 
     def __init__(
-        self, journal: Journal, kinds: dict[str, Kind], workers: int = 2, queue: int = 100, grace: float = 2
+        self, journal: Journal | str | Path, kinds: dict[str, Kind], workers: int = 2, queue: int = 100, grace: float = 2
     ) -> None:
-        self.journal = check.instance("journal", journal, Journal)
+        self.journal = journal if isinstance(journal, Journal) else Journal(journal)
         self.kinds = kinds
         self.queue = check.count("queue", queue)
         self.grace = check.seconds("grace", grace, zero=True)
@@ -97,7 +98,7 @@ class Jobs:
         # News that is not in the journal yet.
         self.pending: dict[str, Message] = {}
         self.outbox: list[tuple[bytes, Message]] = []
-        for goal, news in reversed(journal.open()):
+        for goal, news in reversed(self.journal.open()):
             id = goal.values["job"]
             self.live[id] = Job(goal, news)
             self.interrupted(id, "the server was restarted")
