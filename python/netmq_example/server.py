@@ -15,17 +15,17 @@ logged, and its client gets it as an error.
 import contextlib
 import logging
 import os
-import signal
 import socket as sockets
 import threading
 from collections import OrderedDict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any, Protocol, Self, TypedDict, Unpack
 
 import zmq
 
-from netmq_example import arguments, check, console
+from netmq_example import arguments, check
 from netmq_example.beacon import answering, beacon_name
+from netmq_example.console import ended_by_sigterm
 from netmq_example.errors import Closed, MessageError
 from netmq_example.finalizers import undisturbed
 from netmq_example.journal import LONGEST_ID_BYTES, Connection, Journal
@@ -279,22 +279,8 @@ def serve(answer: Answer, endpoint: str, **options: Unpack[ServerOptions]) -> No
     Server.
     """
     made: list[Server] = []
-    with contextlib.suppress(KeyboardInterrupt), terminated_as_by_ctrl_c():
+    with contextlib.suppress(KeyboardInterrupt), ended_by_sigterm():
         # A Ctrl-C while it is made would leave a socket that nobody closes, for which the end of its context waits.
         undisturbed(lambda: made.append(Server(answer, endpoint, **options)))
         with contextlib.closing(made[0]) as server:
             server.run()
-
-
-@contextlib.contextmanager
-def terminated_as_by_ctrl_c() -> Iterator[None]:
-    """Without a handler SIGTERM would end the program in the middle, and one that is a container's first not at all."""
-    number = getattr(signal, "SIGBREAK", signal.SIGTERM)
-    is_free = threading.current_thread() is threading.main_thread() and signal.getsignal(number) is signal.SIG_DFL
-    try:
-        if is_free:
-            console.listen(number)
-        yield
-    finally:
-        if is_free:
-            signal.signal(number, signal.SIG_DFL)
