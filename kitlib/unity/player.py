@@ -22,7 +22,9 @@ EVERYBODYS = {"ToArray", "GetSingle", "Image", "GetName", "MaxStep"}
 CHANGED = "the player uses your copy of a kit's file only if you name it here, with each that uses its classes"
 # The compiler's words for a type, a name or a namespace that is nowhere, and for a member that a type does not have.
 NOWHERE = r"error CS(?:0246|0103|0234): \D*?'(?=\w+' does not exist in the namespace '([\w.]+)'|)(\w+)[<,>]*'"
-NO_MEMBER = r"error CS(?:0117|1061): '(\w+)' does not contain a definition for '(\w+)'"
+NO_MEMBER = r"error CS(?:0117|1061): '(\w+)(?:<.*?>)?' does not contain a definition for '(\w+)'"
+# For one that it has by other parameters.
+NO_OVERLOAD = r"error CS(?:1729: '|7036: .* of ')(\w+)"
 # A variable that is a thread.
 THREAD = re.compile(r"\bThread\s+(\w+)|(\w+)\s*=\s*new (?:System\.Threading\.)?Thread\b")
 TYPE = r"^    public (?:\w+ )*(class|struct|enum|interface) (\w+)(.*?)(?=^ {0,4}\w|\Z)"
@@ -155,6 +157,8 @@ def lacking_of_unity(errors: list[str], own: Sequence[Path]) -> Iterator[str]:
     for kind in dict.fromkeys(kind for kind, _ in unknown if kind in stand_ins()):
         members = [member for one, member in unknown if one == kind]
         yield f"the player's {kind} has no {', '.join(members)}{likely(members, stand_ins()[kind])}"
+    for kind in dict.fromkeys(kind for line in errors for kind in re.findall(NO_OVERLOAD, line) if kind in stand_ins()):
+        yield f"the player's {kind} has not every overload{likely([], [])}"
 
 
 def shown(path: Path, script: Path) -> str:

@@ -332,6 +332,15 @@ ALL = "; all of Unity that it has is in csharp-support/unity-player/UnityEngine"
             "transform.DetachChildren();",
             f"the player's Transform has no DetachChildren, hasChanged{ALL}",
         ),
+        (
+            "error CS1061: 'NativeArray<byte>' does not contain a definition for 'Reinterpret'"
+            "\nMine.cs(1,1): error CS7036: … the required parameter 'b' of 'RenderTexture.RenderTexture(int, int)'"
+            "\nMine.cs(1,1): error CS1729: 'Texture2D' does not contain a constructor that takes 9 arguments",
+            "new RenderTexture(1);",
+            f"the player's NativeArray has no Reinterpret{ALL}\n"
+            f"the player's RenderTexture has not every overload{ALL}\n"
+            f"the player's Texture2D has not every overload{ALL}",
+        ),
         (ABSENT.format("List<>"), "List<int> a;", "List: write `using System.Collections.Generic;`"),
         # Next to it, elsewhere in the project, and beside another fault.
         (ABSENT.format("HelloRequester"), "HelloRequester a;", "name HelloRequester.cs, too"),
