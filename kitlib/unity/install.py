@@ -10,8 +10,7 @@ from collections.abc import Iterator, Set
 from pathlib import Path
 
 from kitlib.files import digest, news, place, put
-from kitlib.lessons import PACKAGE, ROOT, KitError, find, lessons, read_json
-from kitlib.setup import python_setup
+from kitlib.lessons import KIT, PACKAGE, ROOT, KitError, find, lessons, read_json
 from kitlib.terminal import command, say
 from kitlib.unity.inventory import JSON_DLL, TARGET, Inventory, unity_version
 from kitlib.unity.libraries import PLUGINS, libraries, notices
@@ -200,14 +199,14 @@ def next_steps(root: Path, lesson: str | None) -> list[str]:
             " netmq_example.mlagents_envs; docs/guide/from_ml_agents.md has both",
             "then, in Unity: wait for the import, open your scene; and press Play",
         ]
-    key = find(lesson or "1").key
-    # The one that kit.py runs the lessons with; the terminal may be in any folder.
-    python = python_setup.interpreter(key)
+    found = find(lesson or "1")
+    key = found.key
     scripts = behaviours(PACKAGE / key)
     components = ", ".join("your agent or " * (": Agent\n" in code(path)) + path.stem for path in scripts)
     scene = f"{TARGET}/{key}/{key}.unity"
     there = f"open {scene}" if (root / scene).exists() else f"add to one GameObject: {components}"
     return [
-        f"next, in a terminal: {command(python, ROOT / 'python' / key / 'server.py')}",
+        # The terminal may be in any folder.
+        f"next, in a terminal: {command(KIT.split()[0], ROOT / 'kit.py', 'server', str(found.number))}",
         f"then, in Unity: wait for the import, {there}; and press Play",
     ]

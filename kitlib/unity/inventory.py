@@ -88,7 +88,8 @@ class Inventory:
                 raise KitError(f"{copy.where} has NetMQ {copy.version}, and {need}; {copy.cure}, and run this again")
         for one, other in itertools.combinations(found, 2):
             if one.parts & other.parts:
-                yield f"NetMQ is here twice, by {one.where} and {other.where}: remove one, or nothing compiles"
+                cure = "remove one with its AsyncIO.dll and NaCl.dll, or nothing compiles"
+                yield f"NetMQ is here twice, by {one.where} and {other.where}: {cure}"
 
 
 def lock(root: Path) -> dict[str, Any]:

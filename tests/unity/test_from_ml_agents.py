@@ -11,7 +11,6 @@ from pathlib import Path
 import pytest
 
 from kitlib.lessons import PACKAGE, KitError
-from kitlib.setup import python_setup
 from kitlib.unity import ml_agents, moving
 from kitlib.unity.edits import Edit, applied, checksum, reversed_
 from kitlib.unity.install import install
@@ -321,9 +320,7 @@ def test_the_second_run_does_nothing_and_undo_takes_back_all(move, project, caps
         moving.undo(project, force=False)
 
 
-def test_undo_keeps_what_was_there_before(move, project, dlls, monkeypatch):
-    # Which Python the lessons run with is not the question here.
-    monkeypatch.setattr(python_setup, "interpreter", lambda *extras: Path("python"))
+def test_undo_keeps_what_was_there_before(move, project, dlls):
     install(project, "4", dlls=dlls)
     before = listing(project)
     move()

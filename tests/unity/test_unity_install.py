@@ -14,7 +14,7 @@ from kitlib import files, terminal
 from kitlib.docs import guide
 from kitlib.lessons import PACKAGE, ROOT, KitError, lessons
 from kitlib.programs import Result
-from kitlib.setup import dotnet, python_setup
+from kitlib.setup import dotnet
 from kitlib.unity import install as unity_install
 from kitlib.unity import libraries
 from kitlib.unity.inventory import LIBRARIES
@@ -49,12 +49,6 @@ def project(tmp_path):
     (root / "ProjectSettings" / "ProjectVersion.txt").write_text("m_EditorVersion: 2022.3.10f1\n")
     (root / "Packages" / "manifest.json").write_text('{"dependencies": {"com.unity.ugui": "1.0.0"}}')
     return root
-
-
-@pytest.fixture(autouse=True)
-def python(monkeypatch):
-    """Which Python the lessons run with is not the question here."""
-    monkeypatch.setattr(python_setup, "interpreter", lambda *extras: Path("KIT/.venv/bin/python"))
 
 
 def fill(folder, begins="MZ"):
@@ -118,7 +112,7 @@ def test_copies_everything_with_its_meta(project, nuget, capsys):
     assert len(guids) == len(set(guids))
     printed = capsys.readouterr().out
     assert "wrote Assets/NetMQExample/Plugins/NetMQ.dll" in printed
-    assert str(ROOT / "python" / "01_request_reply" / "server.py") in printed
+    assert "kit.py server 1\n" in printed
     assert "press Play" in printed
     # An agent of one's own takes the place of the lesson's.
     assert (
