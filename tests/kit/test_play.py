@@ -252,6 +252,10 @@ public class Panel : MonoBehaviour
         var loaded = texture.LoadImage(picture.EncodeToPNG());
         Debug.Log($"{loaded} {texture.width}x{texture.height} {texture.GetRawTextureData<byte>()[4]}");
         Debug.Log($"{texture.LoadImage(picture.EncodeToJPG())} {texture.LoadImage(new byte[9])}");
+        var screen = RenderTexture.active = new RenderTexture(3, 1, 24);
+        picture.ReadPixels(new Rect(0, 0, 3, 1), 0, 0);
+        screen.Release();
+        Debug.Log($"read {picture.GetRawTextureData().Length} {picture.GetRawTextureData()[0]}");
         send.onClick.AddListener(() => status.text = "sent " + word.text);
         volume.onValueChanged.AddListener(value => status.text = $"volume {value}");
     }
@@ -271,7 +275,7 @@ def test_a_scripts_ui_and_what_its_inspector_names(play, start, tmp_path):
     words = [*ui.split(), "--Panel.wrist", "Wrist", *clicks.split()]
     # A second object, and a component that is there.
     code, lines = play("Panel.cs", *words, "--elbow", "Panel", folder=tmp_path)
-    said = [f"Point20 2 {tmp_path} False", "True 3x1 0", "True False"]
+    said = [f"Point20 2 {tmp_path} False", "True 3x1 0", "True False", "read 9 0"]
     said += ["[Volume] 0.5", "[Status] volume 0.5", "[Word] Ada", "[Status] sent Ada"]
     nobody = "--click Nobody: no button, toggle, slider or input field has this name, and no script such a method"
     assert code == 1 and sorted(lines) == sorted([*said, nobody])

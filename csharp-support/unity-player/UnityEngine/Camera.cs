@@ -20,7 +20,7 @@ namespace UnityEngine
     public enum PrimitiveType { Sphere = 0, Cube = 3 }
     public enum CameraClearFlags { Skybox = 1, Color = 2, SolidColor = 2, Depth = 3, Nothing = 4 }
     public enum RenderTextureFormat { ARGB32 = 0 }
-    public enum RenderTextureReadWrite { sRGB = 2 }
+    public enum RenderTextureReadWrite { Default = 0, sRGB = 2 }
 
     public sealed class Shader : Object
     {
@@ -75,7 +75,8 @@ namespace UnityEngine
     public class RenderTexture : Texture
     {
         public RenderTexture(
-            int width, int height, int depth, RenderTextureFormat format, RenderTextureReadWrite readWrite)
+            int width, int height, int depth, RenderTextureFormat format = RenderTextureFormat.ARGB32,
+            RenderTextureReadWrite readWrite = RenderTextureReadWrite.Default)
         {
             MainThread.Only("Internal_Create");
             this.width = width;
@@ -87,6 +88,9 @@ namespace UnityEngine
         public static RenderTexture active { get; set; }
         // Red, green, blue and alpha, as a picture of RGBA32.
         internal byte[] Pixels { get; }
+
+        /// <summary>A graphics card would have its memory back.</summary>
+        public void Release() => MainThread.Only(nameof(Release));
     }
 
     public sealed class Camera : Behaviour

@@ -101,15 +101,17 @@ namespace UnityEngine
             return all;
         }
 
-        public void ReadPixels(Rect source, int destX, int destY, bool recalculateMipMaps)
+        public byte[] GetRawTextureData() => (byte[])pixels.Clone();
+
+        public void ReadPixels(Rect source, int destX, int destY, bool recalculateMipMaps = true)
         {
             MainThread.Only(nameof(ReadPixels));
             var from = RenderTexture.active;
             if (from == null || source.width != width || source.height != height || from.width != width
-                || from.height != height || pixels.Length != width * height * 4)
-                throw new NotSupportedException(
-                    "the player reads only all of a render texture of the same size, as RGBA32");
-            Array.Copy(from.Pixels, pixels, pixels.Length);
+                || from.height != height)
+                throw new NotSupportedException("the player reads only all of a render texture of the same size");
+            var size = pixels.Length / (width * height);
+            for (var i = 0; i < width * height; i++) Array.Copy(from.Pixels, 4 * i, pixels, size * i, size);
         }
 
         internal byte[] Pixels => pixels;
