@@ -416,6 +416,9 @@ def test_a_dict_in_and_a_dict_out_in_python(serve_own, context):
 # --- a game that serves: unity/Assets/NetMQExample/04_background_client/Server.cs
 
 
+LONG = b"w" * 1001
+
+
 def test_a_game_does_nothing_twice_and_says_what_is_wrong(game, connect):
     server, endpoint = game()
     one, other, req = connect(endpoint), connect(endpoint), connect(endpoint, zmq.REQ)
@@ -432,9 +435,11 @@ def test_a_game_does_nothing_twice_and_says_what_is_wrong(game, connect):
         (one, [b"1", b"count"], [b"1", b"2"]),
         (one, [b"1", b"count"], [b"1", b"2"]),
         (other, [b"1", b"count"], [b"1", b"3"]),
-        # Without an id every request is a new one.
+        # Without an id every request is a new one, and so it is behind a way that is too long to be kept.
         (one, [b"count"], [b"4"]),
         (one, [b"count"], [b"5"]),
+        (one, [LONG, b"", b"1", b"count"], [LONG, b"", b"1", b"6"]),
+        (one, [LONG, b"", b"1", b"count"], [LONG, b"", b"1", b"7"]),
         (req, [b"echo "], [b""]),
         (req, [b"\xff\xfe"], [b"error: expected hello or echo TEXT, got '(2 bytes)'"]),
         (req, [b"", b"count"], [b"error: expected hello or echo TEXT, got ' count'"]),

@@ -25,6 +25,8 @@ namespace NetMQExample
     public sealed class Server : IDisposable
     {
         private const int MostRemembered = 1000, MostInAPoll = 50, LongestMistake = 1000;
+        // The way back through some brokers is shorter. A longer one would fill the memory.
+        private const int LongestWay = 1000;
         // A shorter id may be another client's as well.
         private const int UniqueIdBytes = 16;
         // Poll spends at most 2 ms in a frame. One request is always answered, however long that takes.
@@ -158,7 +160,8 @@ namespace NetMQExample
                 // The whole way: clients behind one broker have one name here.
                 var way = string.Join(" ", reply.Select(Bytes.GetString));
                 reply.Add(frames[body]);
-                reply.Add(AnswerOnce(way, frames[body], frames[body + 1]));
+                reply.Add(way.Length > LongestWay ? Answer(frames.Skip(body + 1))
+                    : AnswerOnce(way, frames[body], frames[body + 1]));
             }
             else reply.Add(Answer(frames.Skip(body)));
             if (disposed) return true;
