@@ -6,7 +6,7 @@ It changes text files of the project's own and writes down each change, by which
 import json
 import os
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -20,17 +20,19 @@ from kitlib.unity.inventory import TARGET, Inventory, dependencies
 from kitlib.unity.leaving import Leaving, leaving, left_behind
 from kitlib.unity.meta import own_guid
 from kitlib.unity.own_files import ML_AGENTS as PACKAGES
-from kitlib.unity.own_files import SCENES, copies_of_ml_agents, is_link, own_files
+from kitlib.unity.own_files import SCENES, copies_of_ml_agents, is_link, own_files, walk
 from kitlib.unity.project import advice, find_project
 from kitlib.unity.scripts import ML_AGENTS, scripts
 
 # The changes and copies that this command has made. Unity ignores names that begin with a dot.
 NOTES = f"{TARGET}/.{ML_AGENTS}.json"
 MANIFEST = "Packages/manifest.json"
+GUID = re.compile(rb"(?<=guid: )[0-9a-f]{32}")
 FORCE_TEXT = (
     "it is no text and stays as it is: with ML-Agents still there choose Project Settings, Editor, Asset Serialization,"
     " Force Text, save the project, and run this again"
 )
+USED = "a scene or a prefab of yours uses it: move it and what it needs, with their .meta, into Assets; run this again"
 
 
 class Plan:
@@ -45,7 +47,9 @@ class Plan:
         self.guids = ml_agents.guids(root)
         copies = sorted(set(copies_of_ml_agents(root)))
         files = list(own_files(root, copies))
-        self.left += [f"{copy}: this is ML-Agents itself: delete it in Unity" for copy in copies]
+        for copy in copies:
+            self.left += [f"{name}: {USED}" for name in used(root, copy, files)]
+            self.left.append(f"{copy}: this is ML-Agents itself: delete it in Unity")
         texts = {name: decoded((root / name).read_bytes()) for name in files if name.endswith(".cs")}
         own = set[str]().union(*map(ml_agents.namespaces, texts.values()))
         everything = "\n".join(texts.values())
@@ -229,6 +233,18 @@ def remove(root: Path, copied: list[str]) -> None:
         if not any((root / TARGET).iterdir()):
             (root / TARGET).rmdir()
     say(f"deleted {count} files of the kit")
+
+
+def used(root: Path, copy: str, files: Iterable[str]) -> Iterator[str]:
+    """What somebody has added to a copy of ML-Agents, and scenes of the project use."""
+    named = set[bytes]()
+    for name in files:
+        if name.endswith(SCENES):
+            named.update(GUID.findall((root / name).read_bytes()))
+    for name in walk(root, copy):
+        guid = name.endswith(".meta") and GUID.search((root / name).read_bytes())
+        if guid and guid[0] in named and guid[0].decode() not in ml_agents.FACTS["scripts"]:
+            yield name.removesuffix(".meta")
 
 
 def refuse_read_only(root: Path, files: Iterable[str]) -> None:

@@ -554,7 +554,7 @@ def test_views_without_names_of_their_own_are_refused(names):
     [
         (["front", "front"], "each view needs a name of its own: front, front"),
         (["a/b"], "a view cannot be 'a/b': give it a name of letters, digits, - and _"),
-        ([], "no camera to film: drag some into Cameras"),
+        ([], "no camera to film: drag some into Cameras, or tag one MainCamera"),
     ],
 )
 def test_in_unity_it_is_one_line(names, why, netmq, start):

@@ -395,6 +395,7 @@ def test_what_is_not_the_projects_own_is_left_alone(move, project):
         "Library/PackageCache/com.unity.ml-agents@2.0.1/Runtime/Agent.cs": "namespace Unity.MLAgents { }\n",
         "Packages/com.unity.ml-agents/package.json": '{"name": "com.unity.ml-agents"}',
         "Packages/com.unity.ml-agents/Runtime/Agent.cs": "namespace Unity.MLAgents { }\n",
+        "Packages/com.unity.ml-agents/Runtime/OurSensor.cs.meta": f"guid: {'e' * 32}\n",
         "Assets/ML-Agents/Scripts/Agent.cs": "namespace MLAgents { }\n",
         "Assets/ML-Agents/Scripts/Agent.cs.meta": f"guid: {THEIRS['Agent']}\n",
         "Assets/ML-Agents/Editor/AgentEditor.cs": "using Unity.MLAgents;\n",
@@ -402,7 +403,9 @@ def test_what_is_not_the_projects_own_is_left_alone(move, project):
     }
     put(project, theirs)
     put(project, {"Packages/mine/package.json": '{"name": "mine"}', "Packages/mine/Mine.cs": "using Unity.MLAgents;\n"})
+    put(project, {"Assets/Field.unity": f"%YAML 1.1\n  m_Script: {{fileID: 11500000, guid: {'e' * 32}, type: 3}}\n"})
     said = move()
+    assert "Packages/com.unity.ml-agents/Runtime/OurSensor.cs: a scene or a prefab of yours uses it" in said
     for name, text in theirs.items():
         assert (project / name).read_text() == text
     assert (project / "Packages" / "mine" / "Mine.cs").read_text() == "using NetMQExample.MLAgents;\n"

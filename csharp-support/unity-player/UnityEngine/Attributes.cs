@@ -15,7 +15,10 @@ namespace UnityEngine
         public void OnAfterDeserialize();
     }
 
-    public abstract class PropertyAttribute : Attribute { }
+    public abstract class PropertyAttribute : Attribute
+    {
+        public int order { get; set; }
+    }
 
     public class TooltipAttribute : PropertyAttribute
     {
@@ -65,6 +68,7 @@ namespace UnityEngine
     public sealed class AddComponentMenu : Attribute
     {
         public AddComponentMenu(string menuName) { }
+        public AddComponentMenu(string menuName, int order) { }
     }
 
     [AttributeUsage(AttributeTargets.Method)]

@@ -129,7 +129,8 @@ class Renderer:
         except TimeoutError:
             at = self.films.game.endpoint
             cure = (
-                "let the scene draw itself (Render, in Python render), or add a ViewRecorder with this Endpoint to it"
+                "let the scene draw itself (Render, in Python render),"
+                " or add a ViewRecorder with a camera and this Endpoint to it"
             )
             raise Timeout(f"no view came to {at}: {cure}") from None
 

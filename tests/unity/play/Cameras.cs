@@ -49,6 +49,8 @@ namespace NetMQExample.PlayTest
         private static void Show(Camera camera, bool grey)
         {
             using var view = new CameraView(camera, 7, 4, grey);
+            // A film of the same camera.
+            using var larger = new CameraView(camera, 9, 6, grey);
             var picture = view.Observe();
             camera.backgroundColor = new Color32(0, 255, 0, 255);
             // It has an array of its own.

@@ -42,6 +42,8 @@ namespace NetMQExample
         /// <exception cref="MessageException">The graphics card gave no picture.</exception>
         public MessageArray Observe(byte[] into = null)
         {
+            // Another view may have set its own.
+            camera.targetTexture = texture;
             readback.Begin();
             readback.Wait();
             if (readback.Failed) throw new MessageException("no-picture", "the graphics card gave no picture");

@@ -53,7 +53,8 @@ namespace NetMQExample
         {
             // In Update, since another component's Awake may come after this one is enabled.
             if (cameras.Count == 0 && Camera.main != null) cameras.Add(Camera.main);
-            if (cameras.Count == 0) throw new ArgumentException("no camera to film: drag some into Cameras");
+            if (cameras.Count == 0)
+                throw new ArgumentException("no camera to film: drag some into Cameras, or tag one MainCamera");
             OnDestroy();
             return filmed = cameras.ConvertAll(one => new FilmedCamera(one, width, height)).ToArray();
         }
