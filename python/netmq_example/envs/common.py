@@ -26,7 +26,7 @@ class OtherSide:
 
     # While an environment waits, and once it has waited in vain.
     how_to_start = ": press Play"
-    state = "is it running?"
+    state = "is it running, or does it need a longer wait?"
     gone = "the simulator is gone"
 
 

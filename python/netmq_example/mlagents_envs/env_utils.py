@@ -43,7 +43,8 @@ def launch_words(file_name: str) -> list[str]:
     program = validate_environment_path(file_name)
     if not program:
         if os.path.isfile(file_name):
-            raise UnityEnvironmentException(f"{file_name} is no program of this system: give the build, or a script")
+            cure = "give the build, or an executable script"
+            raise UnityEnvironmentException(f"{file_name} is no program of this system: {cure}")
         raise UnityEnvironmentException(f"no game at {file_name}: neither this file, nor one with {', '.join(ENDINGS)}")
     return [program]
 
