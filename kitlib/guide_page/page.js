@@ -42,7 +42,7 @@ async function program(box, kind, what, wish, goes = () => 0) {
     if (frame) box.scrollIntoView({ block: "nearest" });
     if (news.command) one("code", box).textContent = news.command;
     if (who === "kit" && !frame || news.verdict) verdict.textContent = news.verdict ?? text;
-    else if (who && who !== "tap") (lines[who] ??= []).push(text);
+    else if (who && who !== "tap" && !frame) (lines[who] ??= []).push(text);
     if (good != null) verdict.classList.add(good ? "good" : "bad");
     if (good && what === "own") {
       all(`[data-tick="${wish.lesson}"]`).forEach(tick => { tick.checked = true; });
@@ -72,8 +72,10 @@ async function program(box, kind, what, wish, goes = () => 0) {
     }
     if (kind !== "server") goes();
   } catch (error) {
-    verdict.textContent = stop.signal.aborted ? "stopped" : error.message;
-    verdict.className = "verdict";
+    if (!stop.signal.aborted || !verdict.matches(".good, .bad")) {
+      verdict.textContent = stop.signal.aborted ? "stopped" : error.message;
+      verdict.className = "verdict";
+    }
   }
   one("iframe", box)?.remove();
   clearInterval(clock);

@@ -135,7 +135,8 @@ def side(base: str, done: Collection[str]) -> str:
         shown = ""
         for name in names:
             label = re.sub(r"^\w+ (\d+):", r"\1", title(ROOT / "docs" / "guide" / f"{name}.md"))
-            more = f"<small>{paths.get(name.partition('_')[0], '')}</small>" + "<b>✓</b>" * (name in done)
+            path = paths.get(name.partition("_")[0], "")
+            more = f'<small title="the path: see the end of Start here">{path}</small>' + "<b>✓</b>" * (name in done)
             shown += f'<a href="{base}docs/guide/{name}.md">{escape(label)} {more}</a>'
         return shown
 

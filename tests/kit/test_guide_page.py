@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from kitlib.docs import guide
-from kitlib.guide_page import runs
+from kitlib.guide_page import answers, runs
 from tests.conftest import PYTHON
 from tests.guide_site import block, opened
 from tests.programs import LIMIT, ROOT, Mark, finds_processes, finished
@@ -173,7 +173,10 @@ def test_an_exercise_is_edited_checked_and_reported(tmp_path):
         (tmp_path / "cy").mkdir()
         shutil.copytree(site.folder, tmp_path / "cy" / "answers")
         folders = (site.folder, tmp_path / "bo", tmp_path / "cy")
-        assert reported(tmp_path).stdout.count("checked") == 2
+        # In the folder of a class somebody who has checked nothing has a row as well.
+        (tmp_path / "bo").mkdir()
+        whole = reported(tmp_path).stdout
+        assert whole.count("checked") == 2 and f"{tmp_path / 'bo'} has no exercises.json" in whole
     report = reported(*folders)
     rows = [line.split() for line in report.stdout.splitlines()]
     assert [row for row in rows if not row[0].startswith("kit")][:4] == [
@@ -278,6 +281,18 @@ def test_a_check_passes_with_an_answer_that_works_and_without_does_not(tmp_path,
         assert site.told("own", check)[1]["verdict"].startswith("not yet: the client has to print ")
         site.ask("edit", {"lesson": key, "text": text.replace(*ANSWERS[key]), "was": text})
         assert site.told("own", check)[1] == {"verdict": "done", "good": True}
+
+
+def test_a_verdict_shows_why_nothing_came_and_what_time_it_wants(tmp_path):
+    gone, time = "client | gave up: nothing from tcp://127.0.0.1:5553 within 5 s", "client | received time/ 12:30:00"
+    crash = "AttributeError: module 'time' has no attribute 'now'"
+    for lines, why in (
+        ([f"server | {crash}", gone], crash),
+        ([gone], "within 5 s"),
+        ([*[time] * 5, "client | done: received 5"], "with the time of each"),
+    ):
+        told = answers.exercises()["03_publish_subscribe"].verdict(tmp_path, lines)["verdict"]
+        assert told.startswith("not yet: ") and why in told and "loop" not in told
 
 
 def test_what_is_no_text_and_no_request_is_one_line(tmp_path):

@@ -64,9 +64,8 @@ class Page:
         return web.FileResponse(HTML, headers={"Content-Security-Policy": f"frame-ancestors {self.frame}"})
 
     async def live(self, request: web.Request) -> web.StreamResponse:
-        # A page that draws much, or is not in front, is slow to answer: it would take a closed connection for the
-        # end of the tap.
-        page = web.WebSocketResponse(heartbeat=60, max_msg_size=1000)
+        # No heartbeat: a page that draws much is slow to answer, and would take a closed connection for the tap's end.
+        page = web.WebSocketResponse(max_msg_size=1000)
         await page.prepare(request)
         log.info("a page looks on")
         sending = asyncio.create_task(self.send(page))
