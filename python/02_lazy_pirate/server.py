@@ -10,7 +10,7 @@ anything else with a text that begins with `error:`.
 The journal has each request that was done before its reply leaves. So a retry gets the old reply and is not done
 again, even if the server was killed in between.
 Trouble on command, where N counts the requests since the start:
-    --crash-on N     does request N and is gone before the reply; start the server again yourself
+    --crash-on N     does new request N and is gone before the reply; start the server again yourself
     --drop N         does request N and does not reply
 """
 
@@ -40,7 +40,7 @@ def answer(db: Connection, text: str) -> str:
 def main() -> None:
     parser = server_options(__doc__, "tcp://127.0.0.1:5552")
     parser.add_argument("--journal", default="lazy_pirate.sqlite3", help="a file, made if there is none")
-    parser.add_argument("--crash-on", type=whole, default=0, metavar="N", help="do request N, then crash")
+    parser.add_argument("--crash-on", type=whole, default=0, metavar="N", help="do new request N, then crash")
     parser.add_argument("--drop", type=whole, default=0, metavar="N", help="do request N, then lose the reply")
     options = parser.parse_args()
     with wrong_usage(parser, "argument --journal: "):
@@ -49,6 +49,7 @@ def main() -> None:
         print(f"journal {options.journal}, balance {journal.value('SELECT balance FROM account')}", flush=True)
     # A REP socket must reply before it may receive again; a ROUTER may also stay silent.
     with listening(zmq.ROUTER, options) as socket:
+        new = 0
         for number in itertools.count(1):
             way, request_id, text = id_and_text(receive(socket))
             reply = source = ""
@@ -59,10 +60,13 @@ def main() -> None:
                     source = ", from the journal"
                 else:
                     reply = journal.do(request_id, text_of(text), answer)
-            fault = {options.crash_on: ", crash", options.drop: ", dropped"}.get(number, "")
+            # A retry is no new work: the next server may hear several before it is through the first.
+            new += not source
+            crash = new == options.crash_on and not source
+            fault = ", crash" if crash else ", dropped" * (number == options.drop)
             if reply and not reply.startswith("error:"):
                 print(f"request {number}, {request_id[:10]!r}: {reply!r:.80}{source}{fault}", flush=True)
-            if number == options.crash_on:
+            if crash:
                 os._exit(1)
             if reply and number != options.drop:
                 # This never waits: ROUTER drops the reply to a client that has gone, or does not read.

@@ -79,6 +79,12 @@ def test_a_crash_between_the_work_and_the_reply(pirate_server, start_client):
     assert retry(i, 2, tries=20, timeout=0.5) in client.lines
 
 
+def test_only_new_work_crashes_the_server(context, pirate_server):
+    """While it starts on a busy machine, a client asks the same more than once: it must not crash again at that."""
+    _, endpoint = pirate_server("--crash-on", "2")
+    assert [ask(context, endpoint, b"1", b"add 1")[1] for _ in range(3)] == [b"1"] * 3
+
+
 @clients
 def test_without_a_server_it_gives_up(kind, run):
     endpoint = steady_endpoint()
