@@ -39,7 +39,7 @@ SIZES = {"32 B": 32, "230,400 B": PICTURE}
 def bench(quick: bool) -> int:
     """Run everything, print the tables, keep the results and draw them."""
     if not dotnet.sdk():
-        raise KitError(f"the lab's clients are C#: {dotnet.download()}")
+        raise KitError(f"{dotnet.download()}; the lab's clients are C#")
     lessons = ("05_messages", "08_see_and_steer", "09_environment")
     python = python_setup.interpreter("tests", optional=(*lessons, "bench"))
     started = time.monotonic()
