@@ -338,6 +338,12 @@ def test_one_object_may_have_several_agents(start, checks, make):
     assert env.step({"agent_0": 1})[0] == {"agent_0": [3]}
 
 
+def test_a_second_gym_manager_is_named(start, checks):
+    """With each hello it takes the agents' rows from the first one: Python loses them."""
+    program = start("dotnet", checks, "scene", "Twins", steady_endpoint(), "twice")
+    program.wait_for("^trouble: scene and second have a GymManager each, and each has all agents: remove one of them$")
+
+
 def test_what_agents_are_called(at_work):
     names = "ann ann_1 ann bob cat_3 dog_ eel_07 fox"
     env = at_work(UnityParallelEnv, names, most={"bob": 2, "fox": 1})

@@ -6,7 +6,7 @@
 //     dotnet checks.dll scene Racer ENDPOINT [first | channels | lost | VIEW_ENDPOINT]
 //     dotnet checks.dll scene Faller ENDPOINT
 //     dotnet checks.dll scene Arena ENDPOINT
-//     dotnet checks.dll scene Twins ENDPOINT
+//     dotnet checks.dll scene Twins ENDPOINT [twice]
 //     dotnet checks.dll scene Weather ENDPOINT
 //     dotnet checks.dll scene OwnChannels ENDPOINT
 using System;
@@ -65,6 +65,7 @@ namespace NetMQExample.Tests
                     Inspector.Set(manager, "envName", name);
                     for (var i = 0; i < 2 && name == "Twins"; i++) thing.AddComponent<Twin>();
                     thing.SetActive(true);
+                    if (how.Length > 0) new GameObject("second").AddComponent<GymManager>();
                     if (name == "Twins") return;
                     foreach (var bot in new[] { "leader", "stays", "ends", "ends_off", "off", "led", "destroyed",
                         "respawned", "replaced" })

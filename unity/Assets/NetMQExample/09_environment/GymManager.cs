@@ -54,6 +54,9 @@ namespace NetMQExample
 
         protected override void Begin()
         {
+            if (Current != null && Current != this)
+                Debug.LogWarning($"trouble: {Current.name} and {name} have a GymManager each, and each has all agents: "
+                    + "remove one of them");
             Current = this;
             var before = SceneChange.Take(endpoint, EnvName);
             if (!(before is null) && GoOnWith(before))
