@@ -104,6 +104,10 @@ System.InvalidOperationException: in a coroutine
 after another has failed: goes on
 destroyed: ended
 errors: 2""",
+    "Seeing": """
+frame 3: 8 bytes
+System.InvalidOperationException: in a callback
+errors: 1""",
 }
 
 

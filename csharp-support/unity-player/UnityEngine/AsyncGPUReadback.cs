@@ -41,10 +41,8 @@ namespace UnityEngine.Rendering
             Texture src, int mipIndex, TextureFormat dstFormat, Action<AsyncGPUReadbackRequest> callback = null)
         {
             MainThread.Only(nameof(Request));
-            if (!(src is RenderTexture texture) || mipIndex != 0 || dstFormat != TextureFormat.RGBA32
-                || callback != null)
-                throw new NotSupportedException(
-                    "the player reads only render textures, as RGBA32, and calls nobody back");
+            if (!(src is RenderTexture texture) || mipIndex != 0 || dstFormat != TextureFormat.RGBA32)
+                throw new NotSupportedException("the player reads only render textures, as RGBA32");
             var work = Idle.Count > 0 && Idle.Peek().Pixels.Length == texture.Pixels.Length
                 ? Idle.Pop()
                 : new Readback(texture.Pixels.Length);
@@ -53,6 +51,7 @@ namespace UnityEngine.Rendering
             Camera.Rendering.Stop();
             (work.Left, work.Failed) = (2, ToFail > 0 || !SystemInfo.supportsAsyncGPUReadback);
             ToFail = Math.Max(0, ToFail - 1);
+            work.Callback = callback;
             Working.Add(work);
             return new AsyncGPUReadbackRequest(work);
         }
@@ -64,7 +63,9 @@ namespace UnityEngine.Rendering
             for (var i = Working.Count - 1; i >= 0; i--)
             {
                 var work = Working[i];
-                if (work.Left-- > 0) continue;
+                var left = work.Left--;
+                if (left <= 1) Tell(work);
+                if (left > 0) continue;
                 Working.RemoveAt(i);
                 work.Number++;
                 // A script that has kept it sees that it is no picture any more.
@@ -73,6 +74,14 @@ namespace UnityEngine.Rendering
             }
             Camera.Rendering.Stop();
         }
+
+        private static void Tell(Readback work)
+        {
+            var callback = work.Callback;
+            work.Callback = null;
+            try { callback?.Invoke(new AsyncGPUReadbackRequest(work)); }
+            catch (Exception e) { Debug.LogException(e); }
+        }
     }
 
     internal sealed class Readback
@@ -80,6 +89,7 @@ namespace UnityEngine.Rendering
         public readonly byte[] Pixels;
         public int Number, Left;
         public bool Failed;
+        public Action<AsyncGPUReadbackRequest> Callback;
         public Readback(int bytes) => Pixels = new byte[bytes];
     }
 }

@@ -16,6 +16,7 @@ namespace Unity.Collections
         }
 
         public void CopyTo(T[] array) => Copy(this, array);
+        public T[] ToArray() => (T[])items.Clone();
 
         public static void Copy(NativeArray<T> src, T[] dst)
         {

@@ -3,6 +3,7 @@ using System;
 using System.Collections;
 using System.Globalization;
 using UnityEngine;
+using UnityEngine.Rendering;
 using UnityPlayer;
 using static NetMQExample.PlayTest.FirstScripts;
 
@@ -154,6 +155,18 @@ namespace NetMQExample.PlayTest
             yield return null;
             yield return null;
             print($"{what}: {(other.Counted == before ? "ended" : "goes on")}");
+        }
+    }
+
+    public sealed class Seeing : MonoBehaviour
+    {
+        private void Start() => AsyncGPUReadback.Request(new RenderTexture(2, 1, 24), 0, TextureFormat.RGBA32, Seen);
+
+        private static void Seen(AsyncGPUReadbackRequest request)
+        {
+            print($"frame {Time.frameCount}: {request.GetData<byte>().ToArray().Length} bytes");
+            Application.Quit();
+            throw new InvalidOperationException("in a callback");
         }
     }
 }
