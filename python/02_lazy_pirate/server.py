@@ -42,14 +42,13 @@ def main() -> None:
     parser.add_argument("--journal", default="lazy_pirate.sqlite3", help="a file, made if there is none")
     parser.add_argument("--crash-on", type=whole, default=0, metavar="N", help="do new request N, then crash")
     parser.add_argument("--drop", type=whole, default=0, metavar="N", help="do request N, then lose the reply")
-    options = parser.parse_args()
+    options, new = parser.parse_args(), itertools.count(1)
     with wrong_usage(parser, "argument --journal: "):
         # Delete the file to begin at 0, while no server runs.
         journal = Journal(options.journal, schema="CREATE TABLE IF NOT EXISTS account AS SELECT 0 AS balance;")
         print(f"journal {options.journal}, balance {journal.value('SELECT balance FROM account')}", flush=True)
     # A REP socket must reply before it may receive again; a ROUTER may also stay silent.
     with listening(zmq.ROUTER, options) as socket:
-        new = 0
         for number in itertools.count(1):
             way, request_id, text = id_and_text(receive(socket))
             reply = source = ""
@@ -61,12 +60,10 @@ def main() -> None:
                 else:
                     reply = journal.do(request_id, text_of(text), answer)
             # A retry is no new work: the next server may hear several before it is through the first.
-            new += not source
-            crash = new == options.crash_on and not source
-            fault = ", crash" if crash else ", dropped" * (number == options.drop)
+            fault = ", crash" * (not source and next(new) == options.crash_on) or ", dropped" * (number == options.drop)
             if reply and not reply.startswith("error:"):
                 print(f"request {number}, {request_id[:10]!r}: {reply!r:.80}{source}{fault}", flush=True)
-            if crash:
+            if fault == ", crash":
                 os._exit(1)
             if reply and number != options.drop:
                 # This never waits: ROUTER drops the reply to a client that has gone, or does not read.
