@@ -20,11 +20,13 @@ from kitlib.setup import python_setup
 
 # Lessons, the options of their servers, where their clients run, and options with which these come to no end.
 COUNT = ["--count", "1000000000"]
+# A machine that stalls for some seconds must not end the hour.
+PATIENT = [*COUNT, "--timeout", "60"]
 PAIRS = {
-    "01": (["--delay", "0.01"], "csharp", COUNT),
-    "03": ([], "csharp", COUNT),
+    "01": (["--delay", "0.01"], "csharp", PATIENT),
+    "03": ([], "csharp", PATIENT),
     "04": ([], "unity", COUNT),
-    "07": ([], "csharp", [*COUNT, "--seconds", "80000"]),
+    "07": ([], "csharp", [*PATIENT, "--seconds", "80000"]),
     "08": ([], "unity", COUNT),
 }
 KILLED, EVERY = "04", 300.0
