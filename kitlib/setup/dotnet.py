@@ -128,7 +128,7 @@ def find_netmq(ask_again: bool = False) -> NetMQ:
     """From the folder of packages, or from NuGet; NoNetMQ says why not."""
     if not sdk():
         raise NoNetMQ(download())
-    if sign := re.search("%[0-9A-Fa-f]{2}", str(ROOT)):
+    if sign := re.search('%[0-9A-Fa-f]{2}|"', str(ROOT)):
         raise NoNetMQ(f"MSBuild takes {sign[0]} in {ROOT} for another sign: rename the folder")
     memory = BUILD / "netmq.json"
     settings = sorted(f"{key}={value}" for key, value in os.environ.items() if key.upper().startswith("NUGET"))

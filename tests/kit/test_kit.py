@@ -361,6 +361,7 @@ def test_output_that_cannot_be_written_ends_nothing(streams, said):
         ({"sdk": lambda: None}, "no .NET SDK 8 or later here: get it from"),
         ({"sdk": lambda: None, "listed": Result(131, "no libicu")}, "dotnet fails (no libicu): get it from"),
         ({"ROOT": Path("/My%20Kit")}, "MSBuild takes %20 in"),
+        ({"ROOT": Path('/My "Kit"')}, 'MSBuild takes " in'),
         ({"restore": Result(1, "error NU1301: Unable to load")}, "NuGet cannot be reached; a folder packages from"),
         ({"step": Result(1, "x: error MSB3094: items\n0 Warning(s)")}, "the C# build failed (x: error MSB3094: items)"),
     ],
