@@ -24,7 +24,6 @@ import stat
 import sys
 import threading
 import traceback
-from collections.abc import Iterator
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -108,20 +107,6 @@ def listen(*signals: int) -> None:
         sys.unraisablehook = unheard if sys.unraisablehook is sys.__unraisablehook__ else sys.unraisablehook
         for number in signals:
             signal.signal(number, interrupt)
-
-
-@contextlib.contextmanager
-def ended_by_sigterm() -> Iterator[None]:
-    """Without a handler SIGTERM would end the program in the middle, and one that is a container's first not at all."""
-    number = getattr(signal, "SIGBREAK", signal.SIGTERM)
-    is_free = threading.current_thread() is threading.main_thread() and signal.getsignal(number) is signal.SIG_DFL
-    try:
-        if is_free:
-            listen(number)
-        yield
-    finally:
-        if is_free:
-            signal.signal(number, signal.SIG_DFL)
 
 
 def interrupt(number: int, frame: FrameType | None) -> None:

@@ -11,23 +11,13 @@
 All of them can be pickled. A program that ends by one prints its text, and its exit code is 1.
 """
 
-import warnings
-from typing import TYPE_CHECKING
-
 
 class Error(Exception):
     """An error of the other side or the network; its text names cause and cure."""
 
 
-# Hidden from a type checker, to which any name would exist.
-if not TYPE_CHECKING:
-
-    def __getattr__(name: str) -> type[Error]:
-        if name != "GaveUp":
-            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-        why = f"{__name__}.GaveUp is netmq_example.Error now, and ends with the next version"
-        warnings.warn(why, DeprecationWarning, 2)
-        return Error
+# Its name in version 0.3, which ends with the next one.
+GaveUp = Error
 
 
 class Timeout(Error, TimeoutError):

@@ -6,13 +6,14 @@ Python calls a finalizer wherever it is, and drops what is raised in it. A Keybo
 nobody would hear of the Ctrl-C. So the signal comes again when it is done. It needs pyzmq.
 """
 
+import contextlib
 import signal
 import threading
 import weakref
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
-from netmq_example.console import later
+from netmq_example.console import later, listen
 
 
 def finalizer(owner: object, function: Callable[..., object], *words: Any) -> "weakref.finalize[..., object]":
@@ -35,3 +36,17 @@ def undisturbed(function: Callable[..., object], *words: Any) -> None:
             signal.signal(number, handler)
         for number in set(came):
             later(number)
+
+
+@contextlib.contextmanager
+def ended_by_sigterm() -> Iterator[None]:
+    """Without a handler SIGTERM would end the program in the middle, and one that is a container's first not at all."""
+    number = getattr(signal, "SIGBREAK", signal.SIGTERM)
+    is_free = threading.current_thread() is threading.main_thread() and signal.getsignal(number) is signal.SIG_DFL
+    try:
+        if is_free:
+            listen(number)
+        yield
+    finally:
+        if is_free:
+            signal.signal(number, signal.SIG_DFL)

@@ -25,9 +25,8 @@ import zmq
 
 from netmq_example import arguments, check
 from netmq_example.beacon import answering, beacon_name
-from netmq_example.console import ended_by_sigterm
 from netmq_example.errors import Closed, MessageError
-from netmq_example.finalizers import undisturbed
+from netmq_example.finalizers import ended_by_sigterm, undisturbed
 from netmq_example.journal import LONGEST_ID_BYTES, Connection, Journal
 from netmq_example.messages import LIMIT, Message, message_reply
 from netmq_example.one_process import OneProcess, one_at_a_time

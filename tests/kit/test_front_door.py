@@ -104,11 +104,9 @@ def test_what_version_0_3_called_otherwise():
     with pytest.warns(DeprecationWarning):
         client = former("BackgroundClient", steady_endpoint(), 0.2, 1, 8)
     assert (client.capacity, client.pirates[0].timeout, client.pirates[0].tries) == (8, 0.2, 1)
-    names = {"read": "Message.read", "read_reply": "Message.read_reply", "reply_to": "message_reply", "GaveUp": "Error"}
-    for old, name in names.items():
-        module = errors if old == "GaveUp" else messages
-        with pytest.warns(DeprecationWarning, match=rf"^{module.__name__}\.{old} is netmq_example\.{name} now"):
-            assert getattr(module, old) is attrgetter(name)(netmq_example)
+    for old, name in {"read": "Message.read", "read_reply": "Message.read_reply", "reply_to": "message_reply"}.items():
+        with pytest.warns(DeprecationWarning, match=rf"^netmq_example\.messages\.{old} is netmq_example\.{name} now"):
+            assert getattr(messages, old) is attrgetter(name)(netmq_example)
     with zmq.Context() as context, context.socket(zmq.SUB) as socket, pytest.warns(DeprecationWarning):
         assert former("TopicListener", socket, steady_endpoint(), "pose/").topic == "pose/"
     lines = []

@@ -55,8 +55,7 @@ namespace NetMQExample
         protected override void Begin()
         {
             if (Current != null && Current != this)
-                Debug.LogWarning($"trouble: {Current.name} and {name} have a GymManager each, and each has all agents: "
-                    + "remove one of them");
+                Debug.LogWarning($"trouble: {Current.name} and {name} have a GymManager each: remove one");
             Current = this;
             var before = SceneChange.Take(endpoint, EnvName);
             if (!(before is null) && GoOnWith(before))
