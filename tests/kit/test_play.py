@@ -237,6 +237,7 @@ public class Panel : MonoBehaviour
     private void Start()
     {
         line = GetComponent<LineRenderer>();
+        line.SetPosition(1, Vector3.up);
         line.positionCount = points.Length;
         for (var i = 0; i < points.Length; i++)
         {
@@ -252,6 +253,8 @@ public class Panel : MonoBehaviour
         var loaded = texture.LoadImage(picture.EncodeToPNG());
         Debug.Log($"{loaded} {texture.width}x{texture.height} {texture.GetRawTextureData<byte>()[4]}");
         Debug.Log($"{texture.LoadImage(picture.EncodeToJPG())} {texture.LoadImage(new byte[9])}");
+        Cursor.lockState = CursorLockMode.Locked;
+        Cursor.visible = false;
         var screen = RenderTexture.active = new RenderTexture(3, 1, 24);
         picture.ReadPixels(new Rect(0, 0, 3, 1), 0, 0);
         screen.Release();

@@ -14,6 +14,14 @@ namespace UnityEngine
         RightShift = 303, LeftShift, RightControl, LeftControl, RightAlt, LeftAlt, Mouse0 = 323, Mouse1, Mouse2,
     }
 
+    public enum CursorLockMode { None, Locked, Confined }
+
+    public class Cursor
+    {
+        public static bool visible { get; set; } = true;
+        public static CursorLockMode lockState { get; set; }
+    }
+
     public class Input
     {
         internal static HashSet<KeyCode> Pressed { get; } = new HashSet<KeyCode>();

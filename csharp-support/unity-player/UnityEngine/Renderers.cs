@@ -6,7 +6,8 @@ namespace UnityEngine
 {
     public sealed class LineRenderer : Renderer
     {
-        private Vector3[] places = new Vector3[0];
+        // Unity's new one has these two.
+        private Vector3[] places = { Vector3.zero, Vector3.forward };
         public float startWidth { get; set; } = 1;
         public float endWidth { get; set; } = 1;
         public float widthMultiplier { get; set; } = 1;
