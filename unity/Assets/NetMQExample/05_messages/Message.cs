@@ -27,7 +27,6 @@ namespace NetMQExample
             Id = id;
         }
 
-        /// <summary>Such as <c>bad-shape</c>.</summary>
         public string Code { get; }
 
         /// <summary>The message without the code.</summary>
@@ -177,7 +176,6 @@ namespace NetMQExample
         /// <exception cref="MessageException">They are no message; its text says why.</exception>
         public static Message Read(IReadOnlyList<ReadOnlyMemory<byte>> frames) => new Message("").ReadAgain(frames);
 
-        /// <summary>The same into this one.</summary>
         internal Message ReadAgain(IReadOnlyList<ReadOnlyMemory<byte>> frames)
         {
             if (frames.Count == 0)

@@ -37,7 +37,6 @@ namespace NetMQExample
 
         /// <summary>Makes of a JSON text what it means: whole numbers are long, other numbers double, lists
         /// List&lt;object&gt;, objects Dictionary. Of two fields with one name the last counts.</summary>
-        /// <param name="bytes">The text.</param>
         /// <param name="store">Where these come from.</param>
         /// <exception cref="MessageException">It is none, or deeper than any header.</exception>
         public static object Read(ReadOnlySpan<byte> bytes, MessageStore store)

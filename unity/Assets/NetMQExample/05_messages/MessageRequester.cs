@@ -12,10 +12,8 @@ using NetMQ.Sockets;
 
 namespace NetMQExample
 {
-    /// <summary>
-    /// Asks a REP server with messages. Make it, use it and dispose it on one thread, and not on Unity's main thread: a
-    /// request blocks until its reply is there.
-    /// </summary>
+    /// <summary>Asks a REP server with messages. Make it, use it and dispose it on one thread, and not on Unity's main
+    /// thread: a request blocks until its reply is there.</summary>
     public class MessageRequester : IDisposable
     {
         private readonly string endpoint;
@@ -46,11 +44,9 @@ namespace NetMQExample
             Connection = new NetMQConnection(endpoint, make, 4 * Message.LimitBytes);
         }
 
-        /// <summary>The socket and its limits.</summary>
         protected NetMQConnection Connection { get; }
 
         /// <summary>Sends a message and waits for its reply.</summary>
-        /// <param name="request">The message.</param>
         /// <param name="timeout">How long the first try waits, in place of the requester's own.</param>
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
         /// <exception cref="MessageException">The reply is an error, with its words, or no message.</exception>
@@ -104,10 +100,7 @@ namespace NetMQExample
             return true;
         }
 
-        /// <inheritdoc/>
         public override string ToString() => $"{GetType().Name} {endpoint}";
-
-        /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public virtual void Dispose() => Connection.Dispose();
     }
 }

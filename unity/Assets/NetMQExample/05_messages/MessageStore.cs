@@ -11,8 +11,6 @@ namespace NetMQExample
         public double Real { get; set; }
 
         public bool IsWhole { get; set; }
-
-        /// <summary>The long or the double.</summary>
         public object Kept => IsWhole ? (long)Real : (object)Real;
 
         public override string ToString() => string.Format(CultureInfo.InvariantCulture, "{0}", Kept);
@@ -26,7 +24,6 @@ namespace NetMQExample
         private readonly Shelf<Dictionary<string, object>> objects = new Shelf<Dictionary<string, object>>();
         private readonly Shelf<List<object>> lists = new Shelf<List<object>>();
 
-        /// <summary>Begins empty.</summary>
         /// <param name="keepsNumbers">Whether they are used again as well: each is a MessageNumber then.</param>
         public MessageStore(bool keepsNumbers = false) => this.keepsNumbers = keepsNumbers;
 

@@ -24,7 +24,6 @@ namespace NetMQExample
         public static string Shown(string word) =>
             new MessageWriter().Text(word.Substring(0, Math.Min(word.Length, 40)), '\'').ToString();
 
-        /// <summary>Begins anew.</summary>
         public MessageWriter Begin()
         {
             count = 0;
@@ -41,7 +40,6 @@ namespace NetMQExample
         /// <summary>A comma, but for the first item.</summary>
         public MessageWriter Comma() => bytes[count - 1] == '{' || bytes[count - 1] == '[' ? this : Add(',');
 
-        /// <summary>A text.</summary>
         public MessageWriter Text(string text, char quote = '"')
         {
             Add(quote);
@@ -64,7 +62,6 @@ namespace NetMQExample
             return Add(quote);
         }
 
-        /// <summary>A value of a message.</summary>
         public MessageWriter Value(object value) => value switch
         {
             string text => Text(text),
@@ -76,7 +73,6 @@ namespace NetMQExample
             _ => Real((double)value),
         };
 
-        /// <summary>A whole number.</summary>
         public MessageWriter Whole(long number)
         {
             Utf8Formatter.TryFormat(number, Room(20), out var length);
@@ -84,7 +80,6 @@ namespace NetMQExample
             return this;
         }
 
-        /// <summary>Any other number.</summary>
         public MessageWriter Real(double number)
         {
             Span<char> digits = stackalloc char[32];
@@ -92,7 +87,6 @@ namespace NetMQExample
             return Digits(digits.Slice(0, length));
         }
 
-        /// <inheritdoc/>
         public override string ToString() => Encoding.ASCII.GetString(bytes, 0, count);
 
         private static bool IsWhole(string text, int at) =>

@@ -18,10 +18,8 @@ namespace NetMQExample
         [SerializeField, Min(1), Tooltip("Times in a row to ask without a reply")] private int tries = 20;
         [SerializeField, Tooltip("With each reply")] private Arrival<Message> replied = new();
 
-        /// <summary>With each reply, for scripts.</summary>
         public event Action<Message> Replied { add => replied.Raised += value; remove => replied.Raised -= value; }
 
-        /// <inheritdoc/>
         protected override void Talk(CancellationToken stop)
         {
             Log($"asking {endpoint}");

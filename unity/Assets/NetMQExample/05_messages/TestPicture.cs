@@ -9,7 +9,6 @@ namespace NetMQExample
     {
         private const int Width = 320, Height = 240;
 
-        /// <summary>The picture as a request.</summary>
         public static Message Request(int number)
         {
             var request = new Message("frame", number);
@@ -29,7 +28,6 @@ namespace NetMQExample
             return pixels;
         }
 
-        /// <summary>The line to print about its reply.</summary>
         public static string Line(int number, Message reply)
         {
             var found = reply.Values.Select(value => FormattableString.Invariant($"{value.Key} {value.Value}"));

@@ -19,8 +19,6 @@ namespace NetMQExample
 
         /// <summary>Makes room for pictures of uint8 [height, width, channels], the lowest row first.</summary>
         /// <param name="cameras">Their names: <c>center</c>; <c>left,right</c>; or <c>left,center,right</c>.</param>
-        /// <param name="width">In pixels.</param>
-        /// <param name="height">In pixels.</param>
         /// <param name="channels">3; or 4, with the alpha that graphics cards add, which Python drops.</param>
         /// <exception cref="ArgumentException">There are no such cameras.</exception>
         public CameraPictures(string cameras, int width, int height, int channels)
@@ -37,14 +35,8 @@ namespace NetMQExample
 
         /// <summary>The cameras' names, and the measures of their pictures.</summary>
         public string Cameras { get; }
-
-        /// <summary>In pixels.</summary>
         public int Width { get; }
-
-        /// <summary>In pixels.</summary>
         public int Height { get; }
-
-        /// <summary>Bytes of a pixel.</summary>
         public int Channels { get; }
 
         /// <summary>One array for each camera.</summary>
@@ -74,7 +66,6 @@ namespace NetMQExample
         /// <summary>In metres a second.</summary>
         public double Speed { get; internal set; }
 
-        /// <summary>True while a person drives.</summary>
         public bool Manual { get; internal set; }
 
         /// <summary>The drive that it belongs to: another text for each Play.</summary>

@@ -26,7 +26,6 @@ namespace NetMQExample
         private AsyncGPUReadbackRequest request;
         private bool waits;
 
-        /// <summary>Sets where from and where to.</summary>
         /// <param name="camera">It has a target texture; see CarCamera.cs.</param>
         /// <param name="pixels">Room for 4 bytes a pixel: red, green, blue and alpha, the lowest row first.</param>
         /// <exception cref="ArgumentException">There is no graphics card.</exception>

@@ -40,7 +40,6 @@ namespace NetMQExample
             car.Drive.Lockstep = lockstep;
         }
 
-        /// <inheritdoc/>
         protected override void Talk(CancellationToken stop)
         {
             Log($"asking {endpoint}");
@@ -59,7 +58,6 @@ namespace NetMQExample
             Log($"done: {count} actions, {taker.Skipped} pictures skipped");
         }
 
-        /// <inheritdoc/>
         protected override void Update()
         {
             base.Update();

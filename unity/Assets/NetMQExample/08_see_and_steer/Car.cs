@@ -27,28 +27,21 @@ namespace NetMQExample
 
         /// <summary>Where it is, in metres.</summary>
         public double X { get; private set; }
-
-        /// <summary>Where it is, in metres.</summary>
         public double Y { get; private set; }
 
         /// <summary>Where it looks: a direction of length 1.</summary>
         public double AheadX { get; private set; }
-
-        /// <summary>Where it looks: a direction of length 1.</summary>
         public double AheadY { get; private set; }
 
-        /// <inheritdoc/>
         public string Where => FormattableString.Invariant($"{road.Nearest(X, Y).Distance:F1} m off the middle");
 
         /// <summary>In metres a second, backwards below 0.</summary>
         public double Speed { get; private set; }
 
-        /// <inheritdoc/>
         public void Telemetry(IDictionary<string, object> values)
         {
         }
 
-        /// <inheritdoc/>
         public void Step(double throttle, double brake, double steer)
         {
             // The brake acts against the way in which it would roll without it, and ends at a standstill.

@@ -9,7 +9,6 @@ namespace NetMQExample
     public static class CarCamera
     {
         /// <summary>Puts a camera on a car, 1.5 m above the ground and tilted down.</summary>
-        /// <param name="car">The object that carries it.</param>
         /// <param name="right">Metres to the right of the middle.</param>
         public static Camera On(Transform car, double right)
         {
@@ -25,10 +24,7 @@ namespace NetMQExample
         }
 
         /// <summary>The same with a texture, which you destroy together with the camera.</summary>
-        /// <param name="car">The object that carries it.</param>
         /// <param name="right">Metres to the right of the middle.</param>
-        /// <param name="width">Pixels of a row.</param>
-        /// <param name="height">Rows of a picture.</param>
         public static Camera On(Transform car, double right, int width, int height)
         {
             var camera = On(car, right);
@@ -41,8 +37,6 @@ namespace NetMQExample
         /// <summary>Puts a camera beside one of yours, to see as it does.</summary>
         /// <param name="own">It may be enabled, and show the game.</param>
         /// <param name="right">Metres to its right.</param>
-        /// <param name="width">Pixels of a row.</param>
-        /// <param name="height">Rows of a picture.</param>
         public static Camera Beside(Camera own, double right, int width, int height)
         {
             var camera = On(own.transform, right, width, height);

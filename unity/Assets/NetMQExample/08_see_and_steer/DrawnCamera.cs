@@ -21,7 +21,6 @@ namespace NetMQExample
         // The ground from above, a byte for each cell: painted road edges, tarmac over them, and dashes.
         private readonly byte[,] ground = new byte[Rows, Columns];
 
-        /// <summary>Paints the ground.</summary>
         public DrawnCamera(Road road)
         {
             Require.Given("road", road);
@@ -42,9 +41,7 @@ namespace NetMQExample
                 Draw(pictures.Pixels[i], car, (int)pictures.Frame, pictures.Right[i]);
         }
 
-        /// <summary>Draws a picture.</summary>
         /// <param name="pixels">Room for <see cref="Size"/> bytes.</param>
-        /// <param name="car">The car that carries the camera.</param>
         /// <param name="number">Drawn as 16 squares, 1 in white, so that a picture says which one it is.</param>
         /// <param name="right">Metres to the right of the car's middle.</param>
         public void Draw(byte[] pixels, Car car, int number, double right = 0)

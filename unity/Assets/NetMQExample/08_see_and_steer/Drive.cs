@@ -47,7 +47,6 @@ namespace NetMQExample
         private bool braking;
 
         /// <summary>Begins with the brake on.</summary>
-        /// <param name="car">The car to drive.</param>
         /// <param name="log">Gets the lines about the drive.</param>
         public Drive(ICar car, Action<string> log)
         {

@@ -22,7 +22,6 @@ namespace NetMQExample
         [SerializeField, Tooltip("With each picture's action")] private Arrival<DriveAction> acted = new();
         private Drive drive;
 
-        /// <summary>With each picture's action, for scripts.</summary>
         public event Action<DriveAction> Acted { add => acted.Raised += value; remove => acted.Raised -= value; }
 
         /// <summary>The camera whose view Python gets, or null for one on the car. Set it before CameraSender is
@@ -35,13 +34,8 @@ namespace NetMQExample
         /// <summary>What is driven, with the brake on at first, by Python or by <see cref="Drive.TakeOver"/>.</summary>
         public Drive Drive => drive ??= new Drive(this, Debug.Log);
 
-        /// <inheritdoc/>
         public abstract double Speed { get; }
-
-        /// <inheritdoc/>
         public virtual string Where => $"at {transform.position}";
-
-        /// <inheritdoc/>
         public abstract void Step(double throttle, double brake, double steer);
 
         /// <summary>Adds values of your own, which Python gets beside each picture of the same moment:

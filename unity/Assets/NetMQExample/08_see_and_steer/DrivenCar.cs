@@ -16,13 +16,9 @@ namespace NetMQExample
         /// <summary>What is moved.</summary>
         public Car Car { get; private set; }
 
-        /// <inheritdoc/>
         public override double Speed => Car.Speed;
-
-        /// <inheritdoc/>
         public override string Where => Car.Where;
 
-        /// <inheritdoc/>
         public override void Step(double throttle, double brake, double steer)
         {
             Car.Step(throttle, brake, steer);

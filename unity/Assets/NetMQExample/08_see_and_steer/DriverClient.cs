@@ -30,7 +30,6 @@ namespace NetMQExample
             Milliseconds = milliseconds;
         }
 
-        /// <summary>The number of the picture that it answers.</summary>
         public long Frame { get; }
 
         /// <summary>-1, backwards, to 1.</summary>
@@ -99,7 +98,6 @@ namespace NetMQExample
         /// <summary>Sends a picture and waits for its action. A picture without one is not sent again: by then there is
         /// a newer one.</summary>
         /// <param name="frame">The message that <see cref="CameraPictures.ToMessage"/> made.</param>
-        /// <param name="stop">Ends the wait early.</param>
         /// <returns>The action, or null if there is none.</returns>
         /// <exception cref="TimeoutException">Too many in a row had none, and the last had no reply.</exception>
         /// <exception cref="MessageException">The last had a reply that is no action.</exception>
@@ -140,10 +138,7 @@ namespace NetMQExample
         private static Dictionary<string, object> Kept(Dictionary<string, object> values) =>
             values.ToDictionary(one => one.Key, one => one.Value is MessageNumber number ? number.Kept : one.Value);
 
-        /// <inheritdoc/>
         public override string ToString() => $"DriverClient {endpoint}";
-
-        /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose() => requester.Dispose();
     }
 }

@@ -13,11 +13,9 @@ using NetMQ.Sockets;
 
 namespace NetMQExample
 {
-    /// <summary>
-    /// For one thread, as a MessageRequester is. A request's arrays are lent, not copied: leave them alone until
-    /// <c>Request</c> returns. A reply's arrays are only valid until the next request. It helps most after
-    /// <see cref="PooledBuffers.Use"/>.
-    /// </summary>
+    /// <summary>For one thread, as a MessageRequester is. A request's arrays are lent, not copied: leave them alone
+    /// until <c>Request</c> returns. A reply's arrays are only valid until the next request. It helps most after
+    /// <see cref="PooledBuffers.Use"/>.</summary>
     public sealed class PooledRequester : MessageRequester
     {
         // The frames of the last reply. A Msg gives its buffer back to the pool when it receives the next frame.
@@ -34,7 +32,6 @@ namespace NetMQExample
         {
         }
 
-        /// <inheritdoc/>
         protected override bool TryExchange(
             Message request, TimeSpan timeout, CancellationToken stop, out IReadOnlyList<ReadOnlyMemory<byte>> reply)
         {
@@ -90,7 +87,6 @@ namespace NetMQExample
             for (var i = before; i < parts.Length; i++) parts[i].InitEmpty();
         }
 
-        /// <inheritdoc/>
         public override void Dispose()
         {
             for (var i = 0; i < parts.Length; i++) parts[i].Close();
@@ -105,10 +101,8 @@ namespace NetMQExample
         /// <summary>From now on each new message takes its buffer from the pool.</summary>
         public static void Use() => BufferPool.SetCustomBufferPool(new PooledBuffers());
 
-        /// <inheritdoc/>
         public byte[] Take(int size) => ArrayPool<byte>.Shared.Rent(size);
 
-        /// <inheritdoc/>
         public void Return(byte[] buffer)
         {
             // Messages from before Use() end here too, and ArrayPool throws at any size that is not one of its own:
@@ -117,7 +111,6 @@ namespace NetMQExample
             if (buffer.Length >= 16 && powerOfTwo) ArrayPool<byte>.Shared.Return(buffer);
         }
 
-        /// <summary>Nothing to do: the pool is .NET's.</summary>
         public void Dispose() { }
     }
 }

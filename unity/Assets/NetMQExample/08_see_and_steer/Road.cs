@@ -22,7 +22,6 @@ namespace NetMQExample
             (20, 14), (52, 12), (92, 16), (110, 40), (92, 72), (66, 72), (50, 78), (32, 82), (10, 70), (12, 44),
         };
 
-        /// <summary>Makes the points.</summary>
         public Road()
         {
             Points = new (double, double)[Corners.Length * Samples];
