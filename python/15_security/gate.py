@@ -105,13 +105,10 @@ def main() -> None:
     parser.add_argument("--to", type=client_endpoint(example), required=True, help=f"the server behind it: {example}")
     parser.add_argument("--keys", type=Path, metavar="DIR", help="the gate's pair, and allowed/; default: keys")
     options = parser.parse_args()
-
-    allowed: AllowList
+    allowed = keys_for(options.keys or "keys", make=True)
 
     def prepare(context: Context, door: Socket) -> None:
         """Before it listens: libzmq must ask about the first client already."""
-        nonlocal allowed
-        allowed = keys_for(options.keys or "keys", make=True)
         allowed.answer(context)
         allowed.guard(door)
 

@@ -47,13 +47,10 @@ def main() -> None:
     parser.add_argument("--no-authenticator", action="store_true", help="trouble: nobody may come in")
     parser.add_argument("--any-domain", action="store_true", help="trouble: with it, everybody may")
     options = parser.parse_args()
-
-    allowed: AllowList
+    allowed = keys_for(options.keys or "keys", make=True)
 
     def prepare(context: Context, socket: Socket) -> None:
         """Before the socket listens: libzmq must ask about the first client already."""
-        nonlocal allowed
-        allowed = keys_for(options.keys or "keys", make=True)
         if not options.no_authenticator:
             allowed.answer(context)
         allowed.guard(socket)

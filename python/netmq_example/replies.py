@@ -14,7 +14,7 @@ from typing import Any
 
 from netmq_example.console import printable
 from netmq_example.errors import Misfit
-from netmq_example.json_text import shallow
+from netmq_example.json_text import refuse_constant, shallow
 from netmq_example.program import reply_to as reply_to
 
 
@@ -48,10 +48,6 @@ def json_answer(answer: Callable[[dict[str, Any]], dict[str, Any]]) -> Callable[
     answers with `error: …`. The server logs the reason too, a line a second at most.
     """
     return functools.wraps(answer)(lambda text: write(answer(read(text))))
-
-
-def refuse_constant(name: str) -> None:
-    raise ValueError(f"{name} is not JSON")
 
 
 def read(text: str) -> Fields:

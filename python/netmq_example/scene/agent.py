@@ -58,7 +58,7 @@ class Infos:
         taken = self.waiting
         if self.dropped:
             taken.append({"dropped": self.dropped})
-        self.__init__()  # type: ignore[misc]
+        self.waiting, self.size, self.dropped = [], 0, 0
         return taken
 
 

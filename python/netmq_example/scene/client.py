@@ -94,7 +94,7 @@ class EnvironmentClient:
                 except (TimeoutError, ConnectionRefusedError) as error:
                     # Where nobody listens yet, a short try is enough.
                     self.tries = 0 if isinstance(error, ConnectionRefusedError) else self.tries + 1
-                    if self.why == NO_CONNECTION != str(error):
+                    if self.why == NO_CONNECTION and str(error) != NO_CONNECTION:
                         # It may wait for so long, and nobody would know why.
                         self.why = str(error)
                         self.report(f"trouble: {error}")

@@ -48,7 +48,7 @@ class Kind:
         return not self.begun[row] or self.told[row]
 
     def described(self) -> dict[str, Any]:
-        spaces = [one and described(one.space) for one in (self.observation, self.action)]
+        spaces = [described(one.space) if one else None for one in (self.observation, self.action)]
         return {
             "name": self.name,
             "team": 0,

@@ -123,9 +123,10 @@ class ViewFilm:
 
     def picture(self, timeout: float) -> Any:
         """The newest; the first one is waited for. Lost: the game is gone, and another one may be there."""
-        if self.came.wait(timeout) and self.over:
+        came = self.came.wait(timeout)
+        if came and self.over:
             raise Lost("the game is gone")
-        if not self.came.wait(timeout) or self.newest is None:
+        if not came or self.newest is None:
             raise Timeout(f"no picture of {self.view} within {timeout:g} s; is the game paused, or gone?")
         return self.newest.copy()
 

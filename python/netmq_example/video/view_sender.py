@@ -182,8 +182,9 @@ class ViewSender:
 
     def run(self, views: list[FilmView], stop: threading.Event) -> None:
         """Until `stop`. Timeout says that Python was not there for `timeout` seconds."""
-        if not 0 < len({view.name for view in views}) == len(views):
-            raise ValueError(f"each view needs a name of its own: {', '.join(view.name for view in views) or 'none'}")
+        names = [view.name for view in views]
+        if not names or len({*names}) < len(names):
+            raise ValueError(f"each view needs a name of its own: {', '.join(names) or 'none'}")
         self.heard = time.monotonic()
         why = NO_CONNECTION
         tries = 0
