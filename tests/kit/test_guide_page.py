@@ -291,7 +291,7 @@ def test_a_verdict_shows_why_nothing_came_and_what_time_it_wants(tmp_path):
         ([gone], "within 5 s"),
         ([*[time] * 5, "client | done: received 5"], "with the time of each"),
     ):
-        told = answers.exercises()["03_publish_subscribe"].verdict(tmp_path, lines)["verdict"]
+        told = str(answers.exercises()["03_publish_subscribe"].verdict(tmp_path, lines)["verdict"])
         assert told.startswith("not yet: ") and why in told and "loop" not in told
 
 
