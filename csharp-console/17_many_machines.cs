@@ -22,14 +22,9 @@ namespace NetMQExample.Terminal
             var build = arguments.Text("build", "1");
             arguments.RefuseTheRest();
 
-            var keys = folder == "" ? null : new ClientKeys(folder);
-            if (keys != null) NetMQConnection.Prepare = keys.Apply;
+            if (folder != "") NetMQConnection.Prepare = new ClientKeys(folder).Apply;
             var world = new SceneSimulator("CartPole", 0.02, new[] { new CartPole() });
-            var simulator = new FleetSimulator(world, build)
-            {
-                CrashAfter = crashAfter,
-                Delay = delay,
-            };
+            var simulator = new FleetSimulator(world, build) { CrashAfter = crashAfter, Delay = delay };
             simulator.Crash = line =>
             {
                 Console.WriteLine(line);

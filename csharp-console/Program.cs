@@ -8,7 +8,6 @@ using System;
 using System.IO;
 using System.Linq;
 using System.Reflection;
-using System.Runtime.ExceptionServices;
 
 namespace NetMQExample.Terminal
 {
@@ -33,7 +32,7 @@ namespace NetMQExample.Terminal
                 if (words.Contains("--unity"))
                     return Play.Run(words[0], new Arguments(Play.WithoutUnitysOwn(words).Skip(1)));
                 var lesson = Lesson(words.FirstOrDefault());
-                Invoke(lesson, new Arguments(words.Skip(1)));
+                lesson(new Arguments(words.Skip(1)));
                 return 0;
             }
             // A UsageException, or what a client refuses.
@@ -60,27 +59,15 @@ namespace NetMQExample.Terminal
             Environment.Exit(1);
         }
 
-        private static MethodInfo Lesson(string? number)
+        private static Action<Arguments> Lesson(string? number)
         {
             var lessons = Assembly.GetExecutingAssembly().GetTypes()
                 .Where(type => type.Name.StartsWith("Lesson", StringComparison.Ordinal) && type.Name.Length == 8)
                 .ToDictionary(type => type.Name[6..]);
             if (number != null && lessons.TryGetValue(number.Split('_')[0].PadLeft(2, '0'), out var lesson))
-                return lesson.GetMethod("Run")!;
+                return lesson.GetMethod("Run")!.CreateDelegate<Action<Arguments>>();
             throw new UsageException(
                 $"which lesson? Give its number first, one of: {string.Join(" ", lessons.Keys.OrderBy(key => key))}");
-        }
-
-        private static void Invoke(MethodInfo run, Arguments arguments)
-        {
-            try
-            {
-                run.Invoke(null, new object[] { arguments });
-            }
-            catch (TargetInvocationException e)
-            {
-                ExceptionDispatchInfo.Capture(e.InnerException!).Throw();
-            }
         }
     }
 }

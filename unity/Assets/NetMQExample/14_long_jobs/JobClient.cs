@@ -157,10 +157,8 @@ namespace NetMQExample
         public void Dispose() => connection.Dispose();
 
         // Without waiting: after a peer that broke the protocol there may be no connection to send on.
-        private void Send(Message request, CancellationToken stop)
-        {
+        private void Send(Message request, CancellationToken stop) =>
             connection.TrySend(TimeSpan.Zero, stop, request.Header());
-        }
 
         // The next message about this job, if one comes soon.
         private bool TryReceive(CancellationToken stop, out JobNews news)
