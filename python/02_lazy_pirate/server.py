@@ -40,9 +40,10 @@ def answer(db: Connection, text: str) -> str:
 def main() -> None:
     parser = server_options(__doc__, "tcp://127.0.0.1:5552")
     parser.add_argument("--journal", default="lazy_pirate.sqlite3", help="a file, made if there is none")
-    parser.add_argument("--crash-on", type=whole, default=0, metavar="N", help="do new request N, then crash")
+    parser.add_argument("--crash-on", type=whole, metavar="N", help="do new request N, then crash")
     parser.add_argument("--drop", type=whole, default=0, metavar="N", help="do request N, then lose the reply")
-    options, new = parser.parse_args(), itertools.count(1)
+    options = parser.parse_args()
+    new = 0
     with wrong_usage(parser, "argument --journal: "):
         # Delete the file to begin at 0, while no server runs.
         journal = Journal(options.journal, schema="CREATE TABLE IF NOT EXISTS account AS SELECT 0 AS balance;")
@@ -58,9 +59,10 @@ def main() -> None:
                 elif reply := journal.find(request_id):
                     source = ", from the journal"
                 else:
+                    # A retry is no new work: the next server may hear several before it is through the first.
+                    new += 1
                     reply = journal.do(request_id, text_of(text), answer)
-            # A retry is no new work: the next server may hear several before it is through the first.
-            fault = ", crash" * (not source and next(new) == options.crash_on) or ", dropped" * (number == options.drop)
+            fault = ", crash" if new == options.crash_on else ", dropped" if number == options.drop else ""
             if reply and not reply.startswith("error:"):
                 print(f"request {number}, {request_id[:10]!r}: {reply!r:.80}{source}{fault}", flush=True)
             if fault == ", crash":
