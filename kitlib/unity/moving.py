@@ -236,7 +236,7 @@ def remove(root: Path, copied: list[str]) -> None:
 
 
 def used(root: Path, copy: str, files: Iterable[str]) -> Iterator[str]:
-    """What somebody has added to a copy of ML-Agents, and scenes of the project use."""
+    """The scripts that somebody has added to a copy of ML-Agents and that scenes of the project use."""
     named = set[bytes]()
     for name in files:
         if name.endswith(SCENES):

@@ -40,7 +40,7 @@ def test_a_lesson_without_a_terminal(tmp_path, open_page):
         )
         assert page.evaluate(f"{middle}.tagName") == "IFRAME"
         page.click("#drop .output button")
-        # What the run was found to be stays there when the picture is closed.
+        # The verdict on the run stays there when the picture is closed.
         page.wait_for("document.querySelector('#drop .output button').innerText === 'Start' && frames.length === 0")
         assert page.evaluate(verdict).startswith("printed as on this page")
         # Two programs, each with its own Stop and Start.

@@ -112,7 +112,7 @@ class Roster:
             row = kind.names.index(agent.name)
             if kind.present[row] is None:
                 return kind, row if kind.is_free(row) else WAITS
-            # Whoever has had a row has its name from there, and takes another one.
+            # An agent that has had a row has its name from there, and takes another one.
             if not place:
                 raise MessageError("two-agents", f"2 agents are named {agent.name!r}: each needs a name of its own")
         # The next free number; that of one who has left only where there is no other.
