@@ -353,9 +353,9 @@ ALL = "; all of Unity that it has is in csharp-support/unity-player/UnityEngine"
         (ABSENT.format("HelloRequester"), "HelloRequester a;", "name HelloRequester.cs, too"),
         (ABSENT.format("Far<,>"), "Far<int, int> a;", "name {game}/Assets/Deep/Far.cs, too"),
         (
-            "\nMine.cs(1,1): ".join([ABSENT.format("HelloRequester"), ABSENT.format("Cursr")]),
-            "HelloRequester a; Cursr b;",
-            f"name HelloRequester.cs, too\nthe player has no Cursr{ALL}; if it is yours, name its file, too",
+            "\nMine.cs(1,1): ".join([ABSENT.format("HelloRequester"), ABSENT.format("Kompass")]),
+            "HelloRequester a; Kompass b;",
+            f"name HelloRequester.cs, too\nthe player has no Kompass{ALL}; if it is yours, name its file, too",
         ),
         (
             ABSENT.format("MessagePack"),
