@@ -27,13 +27,12 @@ import sqlite3
 import time
 from collections import deque
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import zmq
 
 from netmq_example import check
 from netmq_example.jobs.client import job_id
-from netmq_example.jobs.journal import Journal
+from netmq_example.jobs.journal import Journal, Place
 from netmq_example.jobs.workers import MOST_WORKERS, Workers
 from netmq_example.messages import Message, MessageError, take
 from netmq_example.work import Kind
@@ -86,15 +85,9 @@ class Jobs:
     """
 
     def __init__(
-        self,
-        journal: Journal | str | Path,
-        kinds: dict[str, Kind],
-        workers: int = 2,
-        queue: int = 100,
-        grace: float = 2,
+        self, journal: Journal | Place, kinds: dict[str, Kind], workers: int = 2, queue: int = 100, grace: float = 2
     ) -> None:
-        given = check.instance("journal", journal, Journal, str, Path)
-        self.journal = given if isinstance(given, Journal) else Journal(given)
+        self.journal = journal if isinstance(journal, Journal) else Journal(journal)
         self.kinds = kinds
         self.queue = check.count("queue", queue)
         self.grace = check.seconds("grace", grace, zero=True)

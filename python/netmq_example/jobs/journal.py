@@ -44,6 +44,7 @@ LOCK_SECONDS = 1.0
 CURE = "try --journal another.sqlite3"
 
 log = logging.getLogger("netmq_example.jobs")
+Place = str | Path
 
 
 def open_exclusively(path: str) -> sqlite3.Connection:
@@ -88,8 +89,8 @@ def entry(job: Any, goal: Any, news: Any, data: Any) -> tuple[Message, Message]:
 class Journal:
     """The jobs by their ids. Use it on one thread."""
 
-    def __init__(self, path: str | Path) -> None:
-        self.path = str(check.instance("path", path, str, Path))
+    def __init__(self, path: Place) -> None:
+        self.path = str(check.instance("the journal's path", path, str, Path))
         self.usable = True
         try:
             # To SQLite these names mean a journal in memory, which forgets.
