@@ -358,7 +358,7 @@ def test_output_that_cannot_be_written_ends_nothing(streams, said):
 @pytest.mark.parametrize(
     ("settings", "said"),
     [
-        ({"sdk": lambda: None}, "no .NET SDK 8 or later here: get it from"),
+        ({"sdk": lambda: None, "listed": Result(127, "")}, "no .NET SDK 8 or later here: get it from"),
         ({"sdk": lambda: None, "listed": Result(131, "no libicu")}, "dotnet fails (no libicu): get it from"),
         ({"ROOT": Path("/My%20Kit")}, "MSBuild takes %20 in"),
         ({"ROOT": Path('/My "Kit"')}, 'MSBuild takes " in'),
