@@ -6,7 +6,7 @@ It changes text files of the project's own and writes down each change, by which
 import json
 import os
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Set
 from pathlib import Path
 from typing import Any
 
@@ -47,8 +47,10 @@ class Plan:
         self.guids = ml_agents.guids(root)
         copies = sorted(set(copies_of_ml_agents(root)))
         files = list(own_files(root, copies))
+        scenes = [root / name for name in files if name.endswith(SCENES)] if copies else []
+        named = {guid for path in scenes for guid in GUID.findall(path.read_bytes())}
         for copy in copies:
-            self.left += [f"{name}: {USED}" for name in used(root, copy, files)]
+            self.left += [f"{name}: {USED}" for name in added(root, copy, named)]
             self.left.append(f"{copy}: this is ML-Agents itself: delete it in Unity")
         texts = {name: decoded((root / name).read_bytes()) for name in files if name.endswith(".cs")}
         own = set[str]().union(*map(ml_agents.namespaces, texts.values()))
@@ -235,12 +237,8 @@ def remove(root: Path, copied: list[str]) -> None:
     say(f"deleted {count} files of the kit")
 
 
-def used(root: Path, copy: str, files: Iterable[str]) -> Iterator[str]:
-    """The scripts that somebody has added to a copy of ML-Agents and that scenes of the project use."""
-    named = set[bytes]()
-    for name in files:
-        if name.endswith(SCENES):
-            named.update(GUID.findall((root / name).read_bytes()))
+def added(root: Path, copy: str, named: Set[bytes]) -> Iterator[str]:
+    """The files that somebody has added to a copy of ML-Agents, and that have one of these GUIDs."""
     for name in walk(root, copy):
         guid = name.endswith(".meta") and GUID.search((root / name).read_bytes())
         if guid and guid[0] in named and guid[0].decode() not in ml_agents.FACTS["scripts"]:

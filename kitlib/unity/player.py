@@ -16,6 +16,7 @@ from kitlib.unity.scripts import NAMES, code, of_lesson, types, uses
 
 NAMESPACE = "NetMQExample"
 STAND_INS = SUPPORT / "unity-player" / "UnityEngine"
+ALL_OF_IT = f"; all of Unity that it has is in {STAND_INS.relative_to(ROOT).as_posix()}"
 MOVED, USINGS = NAMES["moved"], NAMES["usings"]
 # Of these words, which others use as well: they count only beside one that nobody else has.
 EVERYBODYS = {"ToArray", "GetSingle", "Image", "GetName", "MaxStep"}
@@ -158,7 +159,7 @@ def lacking_of_unity(errors: list[str], own: Sequence[Path]) -> Iterator[str]:
         members = [member for one, member in unknown if one == kind]
         yield f"the player's {kind} has no {', '.join(members)}{likely(members, stand_ins()[kind])}"
     for kind in dict.fromkeys(kind for line in errors for kind in re.findall(NO_OVERLOAD, line) if kind in stand_ins()):
-        yield f"the player's {kind} has not every overload{likely([], [])}"
+        yield f"the player's {kind} has not every overload{ALL_OF_IT}"
 
 
 def shown(path: Path, script: Path) -> str:
@@ -169,4 +170,4 @@ def likely(names: Iterable[str], there: Sequence[str]) -> str:
     """What is there under such a name, and where everything is."""
     near = dict.fromkeys(one for name in names for one in difflib.get_close_matches(name, there, cutoff=0.75))
     like = f", but {', '.join(near)}" if near else ""
-    return f"{like}; all of Unity that it has is in {STAND_INS.relative_to(ROOT).as_posix()}"
+    return f"{like}{ALL_OF_IT}"

@@ -40,7 +40,7 @@ def answer(db: Connection, text: str) -> str:
 def main() -> None:
     parser = server_options(__doc__, "tcp://127.0.0.1:5552")
     parser.add_argument("--journal", default="lazy_pirate.sqlite3", help="a file, made if there is none")
-    parser.add_argument("--crash-on", type=whole, metavar="N", help="do new request N, then crash")
+    parser.add_argument("--crash-on", type=whole, default=0, metavar="N", help="do new request N, then crash")
     parser.add_argument("--drop", type=whole, default=0, metavar="N", help="do request N, then lose the reply")
     options = parser.parse_args()
     new = 0
@@ -62,7 +62,7 @@ def main() -> None:
                     # A retry is no new work: the next server may hear several before it is through the first.
                     new += 1
                     reply = journal.do(request_id, text_of(text), answer)
-            fault = ", crash" if new == options.crash_on else ", dropped" if number == options.drop else ""
+            fault = ", crash" if new and new == options.crash_on else ", dropped" if number == options.drop else ""
             if reply and not reply.startswith("error:"):
                 print(f"request {number}, {request_id[:10]!r}: {reply!r:.80}{source}{fault}", flush=True)
             if fault == ", crash":

@@ -3,7 +3,7 @@
     close = finalizer(environment, simulators.close)        a weakref.finalize: close() calls it now, and only once
 
 Python calls a finalizer wherever it is, and drops what is raised in it. A KeyboardInterrupt would end it half way, and
-nobody would hear of the Ctrl-C. So the signal comes again when it is done. It needs pyzmq.
+nobody would hear of the Ctrl-C. So the signal comes again when it is done. SIGTERM is one more Ctrl-C. It needs pyzmq.
 """
 
 import contextlib
@@ -14,6 +14,9 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from netmq_example.console import later, listen
+
+# Kill and process managers send it; on Windows it is Ctrl-Break.
+TERMINATE = getattr(signal, "SIGBREAK", signal.SIGTERM)
 
 
 def finalizer(owner: object, function: Callable[..., object], *words: Any) -> "weakref.finalize[..., object]":
@@ -27,7 +30,7 @@ def undisturbed(function: Callable[..., object], *words: Any) -> None:
     handlers: dict[int, Any] = {}
     try:
         if threading.current_thread() is threading.main_thread():
-            for number in (signal.SIGINT, getattr(signal, "SIGBREAK", signal.SIGTERM)):
+            for number in (signal.SIGINT, TERMINATE):
                 if callable(signal.getsignal(number)):
                     handlers[number] = signal.signal(number, lambda number, _: came.append(number))
         function(*words)
@@ -41,12 +44,11 @@ def undisturbed(function: Callable[..., object], *words: Any) -> None:
 @contextlib.contextmanager
 def ended_by_sigterm() -> Iterator[None]:
     """Without a handler SIGTERM would end the program in the middle, and one that is a container's first not at all."""
-    number = getattr(signal, "SIGBREAK", signal.SIGTERM)
-    is_free = threading.current_thread() is threading.main_thread() and signal.getsignal(number) is signal.SIG_DFL
+    is_free = threading.current_thread() is threading.main_thread() and signal.getsignal(TERMINATE) is signal.SIG_DFL
     try:
         if is_free:
-            listen(number)
+            listen(TERMINATE)
         yield
     finally:
         if is_free:
-            signal.signal(number, signal.SIG_DFL)
+            signal.signal(TERMINATE, signal.SIG_DFL)

@@ -74,9 +74,6 @@ namespace UnityEngine
 
     public class RenderTexture : Texture
     {
-        public RenderTexture(int width, int height, int depth)
-            : this(width, height, depth, RenderTextureFormat.ARGB32, RenderTextureReadWrite.Default) { }
-
         public RenderTexture(
             int width, int height, int depth, RenderTextureFormat format = RenderTextureFormat.ARGB32,
             RenderTextureReadWrite readWrite = RenderTextureReadWrite.Default)
