@@ -12,7 +12,7 @@ import pytest
 from kitlib.docs import guide
 from netmq_example.messages import Message
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import PATIENT, ROOT
+from tests.programs import PATIENT, ROOT, steady_endpoint
 
 np = pytest.importorskip("numpy", reason="lesson 08 needs numpy: kit.py run 8 installs it")
 pytest.importorskip("PIL.Image", reason="recording needs Pillow: pip install pillow")
@@ -25,6 +25,7 @@ SCRIPTS = ROOT / "unity" / "Assets" / "NetMQExample" / KEY
 BLOCKS = [block for block in guide.blocks(ROOT / "docs" / "guide" / f"{KEY}.md") if block.body]
 (CAR,) = (block.body for block in BLOCKS if "class MyCar" in block.body)
 (MEMBERS,) = (block.body for block in BLOCKS if "void Telemetry" in block.body)
+BOXES, DETECTOR = (block.body for block in BLOCKS if "test_a_detector_of_ones_own" in block.source)
 (VALUES,) = (block.body for block in BLOCKS if '"zoom"' in block.body and block.language == "python")
 
 
@@ -55,6 +56,45 @@ def test_a_value_each_way(serve_own, ask, tmp_path, start, console, netmq):
         known = rows(tmp_path / "runs" / run)
         assert [float(row["battery"]) for row in known] == pytest.approx([100, 99.9, 99.8, 99.7, 99.6])
         assert {(row["answered_zoom"], row["answered_text"]) for row in known} == {("2.0", "go")}
+
+
+# A main camera, and a cube above the middle of what it sees.
+LOOK = """
+using UnityEngine;
+
+public sealed class Look : MonoBehaviour
+{
+    private void Awake()
+    {
+        var camera = new GameObject("Main Camera").AddComponent<Camera>();
+        camera.tag = "MainCamera";
+        camera.clearFlags = CameraClearFlags.SolidColor;
+        camera.backgroundColor = Color.black;
+        GameObject.CreatePrimitive(PrimitiveType.Cube).transform.position = new Vector3(0, 2, 6);
+    }
+
+    private void Update()
+    {
+        var boxes = FindObjectOfType<Detector>().Boxes;
+        if (boxes.Length == 0) return;
+        Debug.Log($"{FindObjectOfType<Detector>().Names[0]} {string.Join(" ", boxes)}");
+        Application.Quit();
+    }
+}
+"""
+
+
+def test_a_detector_of_ones_own(tmp_path, start, netmq):
+    endpoint = steady_endpoint()
+    for name, text in ("boxes.py", BOXES), ("Detector.cs", DETECTOR), ("Look.cs", LOOK):
+        (tmp_path / name).write_text(text.replace("tcp://127.0.0.1:5555", endpoint), encoding="utf-8")
+    start(PYTHON, tmp_path / "boxes.py", PYTHONPATH=str(ROOT / "python"))
+    player = start(PYTHON, ROOT / "kit.py", "play", tmp_path / "Look.cs", tmp_path / "Detector.cs")
+    assert player.wait(300) == 0, player.output
+    (seen,) = (line.split() for line in player.lines if line.startswith("bright "))
+    left, top, width, height = map(float, seen[1:])
+    # In the middle from left to right, and in the upper half: no row is the wrong way up.
+    assert left + width / 2 == pytest.approx(320, abs=1) and top > 0 and top + height < 180, player.output
 
 
 # As one has it who comes from a driving trainer: a function of the images and four numbers, which returns three.
