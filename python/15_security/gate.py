@@ -105,15 +105,16 @@ def main() -> None:
     parser.add_argument("--to", type=client_endpoint(example), required=True, help=f"the server behind it: {example}")
     parser.add_argument("--keys", type=Path, metavar="DIR", help="the gate's pair, and allowed/; default: keys")
     options = parser.parse_args()
-    allowed = keys_for(options.keys or "keys", make=True)
 
     def prepare(context: Context, door: Socket) -> None:
         """Before it listens: libzmq must ask about the first client already."""
+        # Not before it is sure that it may listen there.
+        allowed = options.allowed = keys_for(options.keys or "keys", make=True)
         allowed.answer(context)
         allowed.guard(door)
 
     with listening(zmq.ROUTER, options, LARGEST_BYTES, prepare) as door:
-        Gate(door.context, door, options.to, allowed).pass_on()
+        Gate(door.context, door, options.to, options.allowed).pass_on()
 
 
 if __name__ == "__main__":

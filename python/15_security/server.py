@@ -47,10 +47,11 @@ def main() -> None:
     parser.add_argument("--no-authenticator", action="store_true", help="trouble: nobody may come in")
     parser.add_argument("--any-domain", action="store_true", help="trouble: with it, everybody may")
     options = parser.parse_args()
-    allowed = keys_for(options.keys or "keys", make=True)
 
     def prepare(context: Context, socket: Socket) -> None:
         """Before the socket listens: libzmq must ask about the first client already."""
+        # Not before it is sure that it may listen there.
+        allowed = options.allowed = keys_for(options.keys or "keys", make=True)
         if not options.no_authenticator:
             allowed.answer(context)
         allowed.guard(socket)
@@ -58,7 +59,7 @@ def main() -> None:
             socket.setsockopt(zmq.ZAP_ENFORCE_DOMAIN, 0)
 
     with listening(zmq.REP, options, prepare=prepare) as socket:
-        serve(socket, allowed)
+        serve(socket, options.allowed)
 
 
 if __name__ == "__main__":

@@ -50,15 +50,13 @@ class Journal(OneProcess):
         self.path = path = os.fspath(check.instance("path", path, str, os.PathLike))
         self.usable = True
         try:
-            # To SQLite these names mean a journal in memory, which forgets.
-            if path in ("", ":memory:"):
-                raise sqlite3.Error("it needs the name of a file")
+            refuse_memory(path)
             self.db = sqlite3.connect(path, timeout=LOCKED_SECONDS, check_same_thread=False)
             self.db.executescript(SCHEMA + check.instance("schema", schema, str))
             self.db.execute("SELECT number, id, reply FROM journal LIMIT 1")
         except sqlite3.Error as error:
-            raise Error(f"cannot use the journal {path}: {error}; try another file") from None
-        self.opened = self.files()
+            raise cannot_use(path, error) from None
+        self.opened = files_of(path)
 
     @contextlib.contextmanager
     def watched(self) -> Iterator[None]:
@@ -117,23 +115,38 @@ class Journal(OneProcess):
         try:
             return self.db.execute(query).fetchone()[0]
         except (sqlite3.Error, TypeError) as error:
-            raise Error(f"cannot use the journal {self.path}: {error}; try another file") from None
+            raise cannot_use(self.path, error) from None
 
     def ready(self, request_id: bytes) -> None:
         self.check_process()
         check.instance("request_id", request_id, bytes)
         if not 0 < len(request_id) <= LONGEST_ID_BYTES:
             raise ValueError(f"request_id takes 1 to {LONGEST_ID_BYTES} bytes, not {len(request_id)}")
-        if self.files() != self.opened:
-            raise sqlite3.Error("it was deleted or replaced; put it back, or start the server again")
-
-    def files(self) -> list[int]:
-        """Which files these are, by their numbers: the journal, and what SQLite has not yet moved into it."""
-        try:
-            return [os.stat(self.path + end).st_ino for end in ("", "-wal")]
-        except OSError:
-            return []
+        refuse_replaced(self.path, self.opened)
 
     def close(self) -> None:
         """Close the file. Twice is once."""
         self.db.close()
+
+
+def files_of(path: str) -> list[int]:
+    """Which files these are, by their numbers: the journal, and what SQLite has not yet moved into it."""
+    try:
+        return [os.stat(path + end).st_ino for end in ("", "-wal")]
+    except OSError:
+        return []
+
+
+def refuse_memory(path: str) -> None:
+    """To SQLite these names mean a journal in memory, which forgets."""
+    if path in ("", ":memory:"):
+        raise sqlite3.Error("it needs the name of a file")
+
+
+def refuse_replaced(path: str, opened: list[int]) -> None:
+    if files_of(path) != opened:
+        raise sqlite3.Error("it was deleted or replaced; put it back, or start the server again")
+
+
+def cannot_use(path: str, why: Exception) -> Error:
+    return Error(f"cannot use the journal {path}: {why}; try another file")

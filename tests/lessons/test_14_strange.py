@@ -204,7 +204,7 @@ def test_a_server_says_in_one_line_what_it_cannot_use(runs, tmp_path):
     assert {run.code for run in found} == {2}
     causes = ["it is another program's"] * 2 + ["database is locked"]
     for path, cause, run in zip([*others.values(), mine], causes, found, strict=True):
-        assert run.lines[-1].endswith(f"cannot use the journal {path}: {cause}; try --journal another.sqlite3")
+        assert run.lines[-1].endswith(f"cannot use the journal {path}: {cause}; try another file")
     assert before == [path.read_bytes() for path in others.values()]
 
 

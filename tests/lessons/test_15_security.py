@@ -165,6 +165,13 @@ def test_a_server_that_makes_its_keys_says_where(tmp_path, start):
     assert server.lines[0] == f"keys: made {tmp_path / 'keys'}, with this server's and one client's, alice"
 
 
+def test_a_server_that_may_not_listen_makes_no_keys(tmp_path):
+    for program, *words in (["server.py"], ["gate.py", "--to", "tcp://127.0.0.1:5554"]):
+        done = finished([PYTHON, FOLDER / program, *words, "--endpoint", "tcp://0.0.0.0:0"], cwd=tmp_path)
+        assert done.returncode == 2 and "refused: 'tcp://0.0.0.0:0' would let anyone in" in done.stderr
+        assert list(tmp_path.iterdir()) == []
+
+
 def test_without_an_authenticator_nobody_comes_in(folder, serve, context):
     server, endpoint = serve(KEY, "--keys", str(folder), "--no-authenticator")
     asker = SecureRequester(endpoint, keys=ClientKeys(folder), timeout=30, tries=1, context=context)

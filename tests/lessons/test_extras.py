@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from netmq_example.extras import importing, without
-from tests.programs import EACH_RUN, ROOT, InTurn
+from tests.programs import EACH_RUN, ROOT, InTurn, finished
 
 
 def needed(module):
@@ -44,3 +44,14 @@ def test_a_program_without_what_it_needs_says_what_is_missing():
                 code, lines = run(path, "--help")
                 said = len(lines) == 1 and bool(re.fullmatch(r"[^:]+: this lesson needs .+", lines[0]))
                 assert said == (code == 1) == ("importing(" in text), (path, code, lines)
+
+
+LIKE_ML_AGENTS = ["base_env", "environment", "envs.unity_gym_env", "envs.unity_parallel_env", "envs.unity_aec_env"]
+
+
+def test_a_class_of_ml_agents_without_numpy_says_how_to_install_it():
+    program = f"{ABSENT}\nimport importlib\nimportlib.import_module('netmq_example.mlagents_envs.' + sys.argv[1])"
+    for module in LIKE_ML_AGENTS:
+        words = [sys.executable, "-c", program, module]
+        done = finished(words, cwd=ROOT / "python")
+        assert done.returncode == 1 and re.search(r"numpy.*: \S+ -m pip install numpy$", done.stderr.strip()), module

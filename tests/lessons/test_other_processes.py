@@ -121,6 +121,37 @@ def test_the_use_of_a_parents_socket_after_a_fork_is_refused_at_once(tmp_path):
     assert len(lines) == len(USES) + 5 and all(line.endswith(f" {cure}") for line in lines), done.stdout
 
 
+FILMS = """
+import os, sys
+import numpy as np
+from netmq_example.video.film_writer import open_film
+film = open_film(sys.argv[1])
+picture = np.zeros((32, 32, 3), np.uint8)
+film.add(picture, 0)
+if os.fork():
+    os.wait()
+    film.add(picture, 0.04)
+    film.close(0.08)
+    print(film.frames)
+else:
+    try:
+        film.add(picture, 0.04)
+    except RuntimeError as error:
+        print(error, flush=True)
+    film.close(0.08)
+    os._exit(0)
+"""
+
+
+@posix
+@pytest.mark.parametrize("ending", ["mp4", "gif"])
+def test_a_film_is_that_of_the_process_which_began_it(ending, tmp_path):
+    pytest.importorskip("av", reason="lesson 12 needs av: kit.py run 12 installs it")
+    done = finished([PYTHON, "-c", FILMS, tmp_path / f"film.{ending}"], cwd=ROOT / "python", timeout=30)
+    cure = "this film was begun in another process: begin one in this process, after the fork"
+    assert done.stdout.splitlines() == [cure, "2"], done
+
+
 def test_a_forgotten_client_ends_its_thread():
     class Game:
         def __init__(self):

@@ -11,7 +11,6 @@ as on a full disk, it is logged once.
 """
 
 import logging
-import os
 import random
 import sqlite3
 import time
@@ -19,8 +18,8 @@ from pathlib import Path
 from typing import Any
 
 from netmq_example import check
-from netmq_example.errors import Error
 from netmq_example.jobs.client import ENDS, check_news, job_id
+from netmq_example.journal import cannot_use, files_of, refuse_memory, refuse_replaced
 from netmq_example.messages import EXACT, LIMIT, Message, MessageError, take
 
 # By this number in its header the file is known for a journal of jobs.
@@ -41,7 +40,6 @@ SET_SECONDS = 60
 MOST_SEQ = EXACT // 2
 # How long to wait for another server that has the file.
 LOCK_SECONDS = 1.0
-CURE = "try --journal another.sqlite3"
 
 log = logging.getLogger("netmq_example.jobs")
 Place = str | Path
@@ -93,9 +91,7 @@ class Journal:
         self.path = str(check.instance("the journal's path", path, str, Path))
         self.usable = True
         try:
-            # To SQLite these names mean a journal in memory, which forgets.
-            if self.path in ("", ":memory:"):
-                raise sqlite3.Error("it needs the name of a file")
+            refuse_memory(self.path)
             # From here on no other server gets it: it would do the same jobs.
             self.db = open_exclusively(self.path)
             whose = self.db.execute("PRAGMA application_id").fetchone()[0]
@@ -107,8 +103,8 @@ class Journal:
             self.db.text_factory = lambda text: text.decode(errors="replace")
             jobs = self.db.execute("SELECT count(id), count(goal), count(news), count(data) FROM jobs").fetchone()[0]
         except (sqlite3.Error, ValueError) as error:
-            raise Error(f"cannot use the journal {self.path}: {error}; {CURE}") from None
-        self.opened = self.files()
+            raise cannot_use(self.path, error) from None
+        self.opened = files_of(self.path)
         self.clock = clock()
         log.info("journal %s, %s jobs", self.path, jobs)
 
@@ -144,7 +140,7 @@ class Journal:
                 except (MessageError, sqlite3.DataError) as error:
                     log.warning("cannot read row %s of the journal, and leave it alone: %s", number, error)
         except sqlite3.Error as error:
-            raise Error(f"cannot use the journal {self.path}: {error}; {CURE}") from None
+            raise cannot_use(self.path, error) from None
         return found
 
     def close(self) -> None:
@@ -153,8 +149,7 @@ class Journal:
 
     def write(self, statement: str, rows: list[tuple[object, ...]]) -> bool:
         try:
-            if self.files() != self.opened:
-                raise sqlite3.Error("it was deleted or replaced; put it back, or start the server again")
+            refuse_replaced(self.path, self.opened)
             set_right = clock() - self.clock
             # One transaction: wherever the server is killed, all of it is there, or nothing.
             with self.db:
@@ -173,10 +168,3 @@ class Journal:
             log.info("the journal %s can be used again", self.path)
         self.usable = True
         return True
-
-    def files(self) -> list[int]:
-        """Which files these are, by their numbers: the journal, and what SQLite has not yet moved into it."""
-        try:
-            return [os.stat(self.path + end).st_ino for end in ("", "-wal")]
-        except OSError:
-            return []

@@ -14,7 +14,12 @@ from dataclasses import dataclass
 from enum import Enum, IntFlag
 from typing import Any, NamedTuple
 
-import numpy as np
+from netmq_example.extras import without
+
+try:
+    import numpy as np
+except ImportError as error:
+    raise without(error) from None
 
 from netmq_example.mlagents_envs.exception import NoSteps, UnityActionException
 

@@ -107,6 +107,7 @@ class Film(ABC):
 
     def __init__(self, path: Path) -> None:
         self.path = path
+        self.process_id = os.getpid()
         self.frames = 0
         self.shape: tuple[int, ...] = ()
         # When the first picture was seen.
@@ -121,6 +122,9 @@ class Film(ABC):
         """The next picture, uint8 [height, width, 3], [height, width, 4] or grey [height, width], and the second at
         which it was seen.
         """
+        if os.getpid() != self.process_id:
+            # An encoder's threads stay with the process that has begun it: this one would wait for ever.
+            raise RuntimeError("this film was begun in another process: begin one in this process, after the fork")
         pixels = rgb(picture)
         if self.frames and pixels.shape != self.shape:
             raise ValueError(f"picture takes the size of the first one, {[*self.shape]}, not {[*pixels.shape]}")
@@ -134,7 +138,7 @@ class Film(ABC):
     def close(self, time: float) -> None:
         """The last picture was over at this second."""
         end = moment(time)
-        if self.file.closed:
+        if self.file.closed or os.getpid() != self.process_id:
             return
         with self.file:
             if self.frames:
