@@ -83,6 +83,11 @@ def play_all(players: list[Any], episodes: list[Episode], played_by: list[int]) 
     return [steps for steps, _ in returns]
 
 
+def last_line(error: Exception) -> str:
+    """Of what Ray says, which also has where it happened."""
+    return (str(error).strip() or repr(error)).splitlines()[-1]
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description="Learns to balance a pole, in processes that Ray places.")
     parser.add_argument("--actors", type=at_least_one, default=2, help="how many, 1 or more")
@@ -99,7 +104,11 @@ def main() -> None:
     players: list[Any] = []
     played_by: list[int] = []
     try:
-        ray.init(options.address, log_to_driver=False, logging_level=logging.ERROR, runtime_env=path, **here)
+        try:
+            ray.init(options.address, log_to_driver=False, logging_level=logging.ERROR, runtime_env=path, **here)
+        except Exception as error:
+            # Where it cannot start, Ray raises whatever it met, such as a bare Exception.
+            sys.exit(f"gave up: {last_line(error)}")
         # SIGTERM, on Windows SIGBREAK, ends the simulators as well, as Ctrl-C does.
         signal.signal(getattr(signal, "SIGBREAK", signal.SIGTERM), signal.default_int_handler)
         for _ in range(options.actors):
@@ -107,8 +116,7 @@ def main() -> None:
         train(lambda episodes: play_all(players, episodes, played_by), options.seed, GENERATIONS)
         print(f"done: {len(played_by)} episodes by {len(set(played_by))} processes of {len(players)} actors")
     except (OSError, ValueError, ray.exceptions.RayError) as error:
-        # The last line of what Ray says, which also has where it happened.
-        sys.exit(f"gave up: {str(error).strip().splitlines()[-1]}")
+        sys.exit(f"gave up: {last_line(error)}")
     finally:
         if players:
             ray.wait([player.close.remote() for player in players], num_returns=len(players), timeout=15)

@@ -244,6 +244,24 @@ def test_a_hub_without_the_keys_it_was_told_says_so(runs):
     assert empty.code in (1, 2) and "listening" not in str(empty.lines)
 
 
+# As far as ray_train.py goes where Ray cannot start.
+NO_RAY = """
+import sys, types
+def init(*words, **more): raise Exception("The current node timed out.\\n\\nThe raylet died: see its log")
+ray = types.SimpleNamespace(init=init, shutdown=print, remote=lambda **words: lambda kind: kind)
+ray.exceptions = types.SimpleNamespace(RayError=RuntimeError)
+sys.modules["ray"] = ray
+import runpy
+del sys.argv[0]
+runpy.run_path(sys.argv[0], run_name="__main__")
+"""
+
+
+def test_a_ray_that_cannot_start_is_one_line():
+    done = finished([PYTHON, "-c", NO_RAY, TRAIN.with_name("ray_train.py")])
+    assert (done.returncode, done.stderr.splitlines()) == (1, ["gave up: The raylet died: see its log"])
+
+
 @pytest.mark.parametrize("kind", ["python", "csharp"])
 def test_a_client_without_a_hub_says_why(kind, runs, tmp_path):
     keys.example(tmp_path)
