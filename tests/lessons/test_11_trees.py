@@ -203,8 +203,15 @@ def test_random_values_go_through_csharp_and_come_back_equal(runtime, program):
     again = done.stdout.splitlines()
     assert len(again) == len(cases), done.stderr
     for line, (space, value), answer in zip(lines, cases, again, strict=True):
-        assert answer == line, space
+        # In C# an array of int8 becomes one of int32.
+        assert answer == line or b'"int8['.hex() in line, space
         assert equal(fit.fitted(space, trees.read(bytes.fromhex(answer)), ""), value), (space, value)
+
+
+def test_a_mask_stays_int8_as_gymnasium_wants_it():
+    mask = np.array([[1, 0], [-128, 127]], np.int8)
+    assert same(trees.read(trees.write({"mask": [mask, mask[0]]})), {"mask": [mask, mask[0]]})
+    assert spaces.Discrete(2).sample(mask=trees.read(trees.write(mask[0]))) == 0
 
 
 def test_what_a_space_begins_with_is_in_it_and_no_sample():

@@ -17,9 +17,9 @@
     {"dict": {"speed": form, …}}                    a dict
     {"graph": [nodes, edges, edge_links]}           Gymnasium's GraphInstance; without edges both are "null"
 
-The form of most values stays the same from step to step, and so it is looked at once. An array whose dtype no message
-has travels as the next larger one, and loses nothing. MessageError says what has no place in a message, or what is
-wrong with what a peer sent. In C# it is MessageTree.cs. It needs numpy, and gymnasium for graphs.
+The form of most values stays the same from step to step, and so it is looked at once. An array of a dtype that no
+message has, other than int8, travels as the next larger one, and loses nothing. MessageError says what has no place in
+a message, or what is wrong with what a peer sent. In C# it is MessageTree.cs. It needs numpy, and gymnasium for graphs.
 """
 
 import functools
@@ -41,8 +41,10 @@ from netmq_example.wire.graphs import GraphInstance
 SIZE = struct.Struct("<I")
 INT64 = struct.Struct("<q")
 FLOAT64 = struct.Struct("<d")
-# The dtypes that a message has not, and those that they travel as.
-WIDER = {"bool": "uint8", "int8": "int32", "int16": "int32", "uint32": "int64", "float16": "float32"}
+# Those of a message, and int8, which masks have in Gymnasium; C# reads that as int32.
+ARRAYS = (*DTYPES, "int8")
+# The dtypes that neither has, and those that they travel as.
+WIDER = {"bool": "uint8", "int16": "int32", "uint32": "int64", "float16": "float32"}
 # Forms are looked at once, but whoever sends ever new ones, or long ones, fills no memory.
 MOST_KEPT = 200
 LONGEST_KEPT = 16 * 1024
@@ -171,8 +173,8 @@ def form_of(value: Any, parts: list[Any]) -> Any:
 def sent_as(dtype: Any) -> tuple[str, Any]:
     """The dtype as which an array travels; numpy makes its name anew each time."""
     name = WIDER.get(dtype.name, dtype.name)
-    if name not in DTYPES:
-        raise MessageError("bad-dtype", f"dtype {name!a:.40} is none of {', '.join(DTYPES)}")
+    if name not in ARRAYS:
+        raise MessageError("bad-dtype", f"dtype {name!a:.40} is none of {', '.join(ARRAYS)}")
     return name, np.dtype(name).newbyteorder("<")
 
 
@@ -275,8 +277,8 @@ def read_image(numbers: Any, at: int) -> tuple[Any, int]:
 def array_form(form: str) -> tuple[str, tuple[int, ...], int]:
     """Dtype, shape, and how many numbers an array has."""
     parts = re.fullmatch(r"(\w+)\[((?:\d{1,9}(?:,\d{1,9}){0,7})?)\]", form, re.ASCII)
-    if not parts or parts[1] not in DTYPES:
-        raise ValueError(f"{form!a:.40} is no array of {', '.join(DTYPES)}")
+    if not parts or parts[1] not in ARRAYS:
+        raise ValueError(f"{form!a:.40} is no array of {', '.join(ARRAYS)}")
     shape = tuple(map(int, parts[2].split(","))) if parts[2] else ()
     # Also where a 0 makes nothing of them: numpy takes no larger shape.
     if math.prod(filter(None, shape)) > LIMIT:

@@ -202,11 +202,15 @@ namespace NetMQExample
         {
             var (dtype, shape) = Arrays.TryGetValue(form, out var known) ? known : Known(form);
             // In double, which no product of eight sizes overflows.
-            double size = MessageArray.SizeOf(dtype);
+            double size = dtype == "int8" ? 1 : MessageArray.SizeOf(dtype);
             foreach (var length in shape) size *= length;
             if (size > numbers.Length) throw Bad("it ends too early");
             // A copy: what was received goes with its message.
-            return new MessageArray(dtype, MessageParts.Take(ref numbers, (int)size).ToArray(), shape);
+            var data = MessageParts.Take(ref numbers, (int)size).ToArray();
+            // As in an action.
+            return dtype == "int8"
+                ? SpaceNumbers.Array("int32", Array.ConvertAll(data, number => (double)(sbyte)number), shape)
+                : new MessageArray(dtype, data, shape);
         }
 
         private static (string, int[]) Known(string form)
