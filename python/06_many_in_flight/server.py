@@ -63,11 +63,12 @@ def main() -> None:
                 # Not until there are no more: the replies have their turn, too.
                 for _ in range(MOST):
                     *way, text = socket.recv_multipart(zmq.NOBLOCK)
-                    # Other frames are no request: the reply to an empty text says so.
-                    wrong = len(way) != 2 and way[1:-1] != [b""]
-                    if wrong or text.startswith(b"echo "):
+                    # [client][id], and of a REQ [client][][id]. To others the reply is that to an empty text.
+                    if len(way) != 2 and way[1:-1] != [b""]:
+                        text = b""
+                    if not text or text.startswith(b"echo "):
                         # To hand an echo to a worker would cost more than to answer it, and so would send_multipart.
-                        send_frames(socket, [*way[:3], workers.at_once(b"" if wrong else text)])
+                        send_frames(socket, [*way[:3], workers.at_once(text)])
                     elif way not in at_work and is_busy(at_work, way[0]):
                         socket.send_multipart([*way, b"error: busy, try again later"])
                     elif way not in at_work:

@@ -33,7 +33,8 @@ class SlowFilms(Films):
     slow = 0.0
 
     def hear(self, message: Message) -> None:
-        time.sleep(self.slow if message.kind == "frame" else 0)
+        if message.kind == "frame":
+            time.sleep(self.slow)
         super().hear(message)
 
 

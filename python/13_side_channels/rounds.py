@@ -74,10 +74,7 @@ class Rounds:
     def exchange(self, received: list[bytes]) -> bytes:
         """Hands the received exchanges to the channels, and returns the exchange that they have queued."""
         for data in received:
-            try:
-                self.manager.process_side_channel_message(data)
-            except UnitySideChannelException as error:
-                self.manager.report(str(error))
+            self.manager.take_in(data)
         now = time.monotonic()
         # A longer gap than a second was sleep.
         self.waited += min(now - self.looked_at, 1.0)

@@ -4,6 +4,7 @@ self.dt = arguments.number("dt", dt, least=0)
 """
 
 import math
+import os
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -25,6 +26,13 @@ def text(name: str, value: Any) -> str:
     if isinstance(value, str) and value:
         return value
     raise ValueError(f"{name} takes a text that is not empty, not {value!r:.40}")
+
+
+def path(name: str, value: Any) -> Path:
+    """A path; an empty text, as of a variable that is not set, is not the folder where the program was started."""
+    if isinstance(value, str | os.PathLike) and os.fspath(value):
+        return Path(value)
+    raise ValueError(f"{name} takes a path that is not empty, not {value!r:.40}")
 
 
 def blocking(name: str, value: T, *kinds: Any) -> T:

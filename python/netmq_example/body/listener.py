@@ -101,12 +101,10 @@ class BodyListener(OneProcess):
         """The next pose. Timeout if none comes within so many seconds, or the listener's own."""
         timeout = self.timeout if timeout is None else check.seconds("timeout", timeout)
         end = time.monotonic() + timeout
-        pose = parse(self.listener.newest(timeout))
-        while not pose:
+        while not (pose := parse(self.listener.newest(timeout))):
             # However much of something else comes.
             if time.monotonic() >= end:
                 raise Timeout(f"no pose from {self.listener.endpoint} within {timeout:g} s; is that this server?")
-            pose = parse(self.listener.newest(timeout))
         # Numbers begin anew with each start of the server, and seconds where it is another computer's.
         self.restarted = pose.number < self.number
         if self.restarted:

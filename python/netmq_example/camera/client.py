@@ -12,7 +12,6 @@ Bytes: messages of messages.py. pictures.py says what a `frame` has; the reply i
 `frame`, `throttle`, `brake`, `steer` and those of your own. The C# side is DriverClient.cs.
 """
 
-import logging
 import math
 import time
 from dataclasses import dataclass, field
@@ -21,16 +20,13 @@ from typing import Any
 import zmq
 
 from netmq_example import arguments, check
-from netmq_example.beacon import BeaconSearch
 from netmq_example.console import printable
 from netmq_example.errors import MessageError, Refused, Timeout
 from netmq_example.former import positional
 from netmq_example.messages import EXACT, LIMIT, Message
-from netmq_example.one_process import OneProcess
-from netmq_example.program import SLICE_MS, Context, Socket, limit
+from netmq_example.program import SLICE_MS, Context, Socket
+from netmq_example.requester import Client
 from netmq_example.trouble import longer
-
-log = logging.getLogger("netmq_example.client")
 
 
 @dataclass
@@ -66,8 +62,11 @@ def read_action(reply: Message, frame: int) -> Action:
     return Action(frame, values["throttle"], values["brake"], values["steer"], values=values)
 
 
-class DriverClient(OneProcess):
+class DriverClient(Client):
     """Asks about one picture at a time. Use it on one thread."""
+
+    # Above LIMIT a reply is refused by name. Above four times as much libzmq takes no more of it and hangs up.
+    largest = 4 * LIMIT
 
     @positional("context", "endpoint", "timeout", "tries", "report")
     def __init__(self, endpoint: str, *, timeout: float = 1.0, tries: int = 5, context: Context | None = None) -> None:
@@ -75,17 +74,11 @@ class DriverClient(OneProcess):
 
         Of `tries` pictures in a row one must get its action. Each that has none is logged as a warning.
         """
-        self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5558", beacon=True)
-        self.search = BeaconSearch(endpoint)
+        super().__init__(endpoint, "tcp://127.0.0.1:5558", timeout, tries, context=context)
         # The message that waits until the server is found, and where that is.
         self.unsent: list[Any] = []
         self.where = ""
-        self.timeout = check.seconds("timeout", timeout)
-        self.tries = check.count("tries", tries)
-        self.context: Context = arguments.context(context)
-        self.report = log.warning
         self.asked: Message | None = None
-        self.socket: Socket | None = None
         self.began = 0.0
         self.lost = 0
 
@@ -103,9 +96,7 @@ class DriverClient(OneProcess):
         self.asked = frame
         self.began = time.monotonic()
         if self.socket is None:
-            self.socket = self.context.socket(zmq.REQ)
-            # Above LIMIT a reply is refused by name. Above four times as much libzmq takes no more of it and hangs up.
-            limit(self.socket, 4 * LIMIT)
+            self.socket = self.prepared(zmq.REQ)
             # Sending does not wait: libzmq would take for sent what it has lost with a broken connection.
             self.socket.sndtimeo = 0
             self.where = ""
@@ -173,7 +164,5 @@ class DriverClient(OneProcess):
 
     def close(self) -> None:
         """Give up what is asked. It may be used again, and twice is once."""
-        if self.socket:
-            self.socket.close()
+        self.close_socket()
         self.asked = None
-        self.socket = None

@@ -13,12 +13,7 @@ import re
 import warnings
 from typing import Any
 
-from netmq_example.extras import without
-
-try:
-    import numpy as np
-except ImportError as error:
-    raise without(error) from None
+import numpy as np
 
 from netmq_example import check
 from netmq_example.errors import Error

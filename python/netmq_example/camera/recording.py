@@ -59,7 +59,7 @@ class Recorder:
 
     def __init__(self, folder: Path | str | None) -> None:
         """Without a folder it keeps nothing. It logs each drive, each 100 pictures, and trouble."""
-        self.folder = None if folder is None else as_folder(folder)
+        self.folder = None if folder is None else arguments.path("folder", folder)
         self.drives: dict[Any, Recording] = {}
         self.full = False
 
@@ -212,7 +212,7 @@ class Row(NamedTuple):
 
 def recorded(folder: Path | str) -> Iterator[Row]:
     """The rows of a recording; OSError if there is none. A row that cannot be read is logged as a warning."""
-    folder = as_folder(folder)
+    folder = arguments.path("folder", folder)
     found = False
     # A byte that is no text makes one cell bad, and not the whole file.
     with arguments.regular_file(folder / "metadata.csv", LARGEST_BYTES).open(
@@ -277,9 +277,3 @@ def files(folder: Path, cells: dict[str, str]) -> dict[str, bytes]:
                 raise FileNotFoundError(f"there is no picture {name}") from None
             found[column.removesuffix("file_name").rstrip("_") or "center"] = file
     return found
-
-
-def as_folder(value: Any) -> Path:
-    if isinstance(value, str | Path) and value != "":
-        return Path(value)
-    raise ValueError(f"folder takes a path that is not empty, not {value!r:.40}")

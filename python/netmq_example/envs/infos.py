@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from netmq_example.envs.remote import MASK, OWN, info_in
-from netmq_example.json_text import DECODER, shallow
+from netmq_example.json_text import parsed
 from netmq_example.wire import trees
 from netmq_example.wire.records import Section
 
@@ -128,14 +128,14 @@ class Infos:
 def dtype_of(form: bytes) -> Any:
     """The bytes of a dict of numbers and arrays, with the form before it; None for any other."""
     try:
-        return dtype_in(DECODER.decode(shallow(form.decode())), len(form))
+        return dtype_in(parsed(form), len(form))
     except trees.REASONS:
         # Not one that is read at once; or none at all, which is said where it is read.
         return None
 
 
-def dtype_in(parsed: Any, length: int) -> Any:
-    parts = parsed.get("dict") if isinstance(parsed, dict) and len(parsed) == 1 else None
+def dtype_in(told: Any, length: int) -> Any:
+    parts = told.get("dict") if isinstance(told, dict) and len(told) == 1 else None
     if not isinstance(parts, dict) or not parts or not OWN.isdisjoint(parts):
         return None
     fields: list[Any] = [("", np.uint8, length + 4)]

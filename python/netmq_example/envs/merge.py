@@ -30,8 +30,8 @@ from gymnasium.vector.utils import batch_space, iterate
 from netmq_example.json_text import DEEPEST
 from netmq_example.locator import APPEND, Locator, LocatorError, Path, Step, quoted, spelled
 from netmq_example.messages import MessageError
-from netmq_example.wire.batches import no_place, together
-from netmq_example.wire.spaces import exactly
+from netmq_example.wire.batches import together
+from netmq_example.wire.spaces import exactly, no_place
 
 # So many items of a sequence, of whatever kind, are looked at one by one. A stack of numbers may be longer.
 MOST_ITEMS = 50_000
@@ -176,7 +176,7 @@ def fitted(space: Space[Any], value: Any, where: str) -> Any:
             if isinstance(space, spaces.Discrete):
                 fit = fit[()]
         case _:
-            raise no_place(space, where)
+            raise no_place(space, f"{where}: ")
     if fit not in space:
         raise misfit(space, value, where)
     return fit

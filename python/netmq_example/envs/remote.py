@@ -58,9 +58,7 @@ class Remote:
         self.next = 0.0
         self.bits = REAL_TIME if check.instance("real_time", real_time, bool) else 0
         if file_name is not None:
-            if not isinstance(file_name, str | os.PathLike) or not os.fspath(file_name):
-                raise ValueError(f"file_name takes the path of a game, not {file_name!r:.40}")
-            where = {"launch": file_name, **where}
+            where = {"launch": arguments.path("file_name", file_name), **where}
         self.simulators = Simulators(**where)
         # Of a scene by its own clock.
         self.decisions: Any = None

@@ -13,7 +13,7 @@ from typing import Any
 from netmq_example.messages import MessageError
 from netmq_example.wire import trees
 from netmq_example.wire.records import ASKS, ENDED, FORM, SEEN, SIZE, SIZES, WHO, Section
-from netmq_example.wire.sections import with_infos
+from netmq_example.wire.sections import with_infos, with_sizes
 
 
 def cut(section: Section) -> list[Section]:
@@ -39,17 +39,12 @@ def join(kind: int, pieces: Sequence[Section], who: Sequence[int] = ()) -> Secti
     seen = [piece for piece in pieces if piece.marks[0] & SEEN]
     rows = [piece.values for piece in seen]
     forms = {piece.form for piece in seen}
-    own = len({len(row) for row in rows}) > 1 or any(piece.columns & SIZES for piece in seen)
-    if len(forms) > 1 or (own and forms != {b""}):
+    if len(forms) > 1 or (forms != {b""} and len({*map(len, rows)}) > 1):
         # Each row has its own form then, as a value has it.
         rows = [b"".join((SIZE.pack(len(one.form)), one.form, one.values)) if one.form else one.values for one in seen]
-        own = True
     elif forms and forms != {b""}:
         section.columns, (section.form,) = FORM, forms
-    section.values = b"".join(rows)
-    if own:
-        section.columns = SIZES
-        section.sizes = struct.pack(f"<{len(rows)}I", *map(len, rows))
+    with_sizes(section, rows)
     if who:
         section.columns |= WHO | ENDED
         section.who = struct.pack(f"<{len(who)}I", *who)

@@ -33,7 +33,7 @@ import zmq
 from netmq_example import check
 from netmq_example.jobs.client import job_id
 from netmq_example.jobs.journal import Journal, Place
-from netmq_example.jobs.workers import MOST_WORKERS, Workers
+from netmq_example.jobs.workers import Workers
 from netmq_example.messages import Message, MessageError, take
 from netmq_example.work import Kind
 
@@ -91,7 +91,7 @@ class Jobs:
         self.kinds = kinds
         self.queue = check.count("queue", queue)
         self.grace = check.seconds("grace", grace, zero=True)
-        self.workers = Workers(check.count("workers", workers, most=MOST_WORKERS), kinds)
+        self.workers = Workers(workers, kinds)
         self.live: dict[str, Job] = {}
         self.waiting = deque[str]()
         # News that is not in the journal yet.

@@ -19,10 +19,10 @@ from pathlib import Path
 import zmq
 from zmq.utils import z85
 
-from netmq_example import check
+from netmq_example import arguments, check
 from netmq_example.errors import ListenError
 from netmq_example.program import Context, Socket
-from netmq_example.security.keys import checked_path, example, key_in, listed, load
+from netmq_example.security.keys import example, key_in, listed, load
 from netmq_example.trouble import Trouble
 
 DOMAIN = b"lesson"
@@ -42,7 +42,7 @@ class AllowList:
     def __init__(self, folder: Path | str) -> None:
         """ValueError if there is no server.key_secret in this folder. Each refused key is logged as a warning."""
         # In full: there may be more than one folder `keys`, and a key enrolled in the wrong one is noticed so.
-        self.folder = checked_path(folder).absolute()
+        self.folder = arguments.path("folder", folder).absolute()
         self.public, self.secret = load(self.folder / "server.key_secret")
         self.trouble = Trouble(log.warning)
         self.listed: dict[str, Path] = {}

@@ -51,7 +51,7 @@ NOT_THEIRS = "enrol takes the path of a client's client.key, or the 40 character
 
 def make(folder: Path, role: str) -> bytes:
     """A new pair for a server or a client, and its public key."""
-    path = checked_path(folder) / f"{checked_role(role)}.key_secret"
+    path = arguments.path("folder", folder) / f"{checked_role(role)}.key_secret"
     public, secret = zmq.curve_keypair()
     write(path, public, secret)
     try:
@@ -65,7 +65,7 @@ def make(folder: Path, role: str) -> bytes:
 
 def rotate(folder: Path, role: str) -> tuple[bytes, Path]:
     """A new pair: its public key, and where the old secret key is, under the next free number."""
-    path = checked_path(folder) / f"{checked_role(role)}.key_secret"
+    path = arguments.path("folder", folder) / f"{checked_role(role)}.key_secret"
     # Named, if there is none.
     path.stat()
     number = 1
@@ -82,7 +82,7 @@ def rotate(folder: Path, role: str) -> tuple[bytes, Path]:
 
 def enrol(folder: Path, name: str, key: str) -> Path:
     """Let in the client that has this key, or the key in this file."""
-    path = checked_path(folder) / "allowed" / f"{checked_name(name)}.key"
+    path = arguments.path("folder", folder) / "allowed" / f"{checked_name(name)}.key"
     if not isinstance(key, str | os.PathLike):
         raise ValueError(f"key takes 40 characters or the path of a file, not {key!r:.40}")
     text = str(key)
@@ -96,7 +96,7 @@ def enrol(folder: Path, name: str, key: str) -> Path:
 
 def revoke(folder: Path, name: str) -> None:
     """FileNotFoundError if nobody has that name."""
-    (checked_path(folder) / "allowed" / f"{checked_name(name)}.key").unlink()
+    (arguments.path("folder", folder) / "allowed" / f"{checked_name(name)}.key").unlink()
 
 
 def example(folder: Path) -> None:
@@ -111,7 +111,7 @@ def load(path: Path, cure: str = NO_KEY) -> tuple[bytes, bytes]:
 
     OSError: too many files are open, and nobody knows what is in this one.
     """
-    path = checked_path(path, "path")
+    path = arguments.path("path", path)
     try:
         public, secret = zmq.auth.load_certificate(arguments.regular_file(path, LARGEST_FILE_BYTES))
         return checked(public), checked(secret or b"") if path.suffix == ".key_secret" else b""
@@ -146,7 +146,7 @@ def listed(folder: Path) -> list[Path]:
 
 def write(path: Path, public: bytes, secret: bytes = b"") -> None:
     """A new file, or ValueError. No other user can read it, not even for a moment, if it holds a secret."""
-    path = checked_path(path, "path")
+    path = arguments.path("path", path)
     text = f'curve\n    public-key = "{checked(public).decode()}"\n'
     if secret:
         text += f'    secret-key = "{checked(secret).decode()}"\n'
@@ -175,13 +175,6 @@ def checked(key: bytes) -> bytes:
         if len(z85.decode(key)) == 32:
             return key
     raise ValueError(f"no key: {key.decode(errors='replace')!r:.60}; a key has 40 characters, as in server.key")
-
-
-def checked_path(path: Any, name: str = "folder") -> Path:
-    """An empty text, as of a variable that is not set, is not the folder where the program was started."""
-    if isinstance(path, str | os.PathLike) and os.fspath(path):
-        return Path(path)
-    raise ValueError(f"{name} takes a path, not {path!r:.40}")
 
 
 def checked_role(role: Any) -> str:

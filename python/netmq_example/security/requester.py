@@ -22,7 +22,7 @@ from netmq_example.former import positional
 from netmq_example.one_process import one_at_a_time
 from netmq_example.program import Context, Socket, encoded, option, text_of
 from netmq_example.requester import PAUSE_SECONDS, Client
-from netmq_example.security.keys import checked, checked_path, load, make
+from netmq_example.security.keys import checked, load, make
 from netmq_example.trouble import longer, tried
 
 THROWN_OUT = "connected and thrown out"
@@ -33,7 +33,7 @@ class ClientKeys:
 
     def __init__(self, folder: Path | str, server_key: str = "") -> None:
         """From this folder; `server_key` takes the place of server.key. ValueError says what is missing."""
-        folder = checked_path(folder)
+        folder = arguments.path("folder", folder)
         if server_key:
             self.server = checked(arguments.text("server_key", server_key).encode())
         else:

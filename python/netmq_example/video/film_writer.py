@@ -24,15 +24,11 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+from PIL import GifImagePlugin, Image
+
+from netmq_example import arguments, check
 from netmq_example.extras import without
-
-try:
-    import numpy as np
-    from PIL import GifImagePlugin, Image
-except ImportError as error:
-    raise without(error) from None
-
-from netmq_example import check
 
 MILLISECOND = Fraction(1, 1000)
 
@@ -69,9 +65,7 @@ def open_film(path: str | os.PathLike[str], fps: float = 25) -> "Film":
 
 def film_path(name: str, value: Any) -> Path:
     """A rule as in check.py: what it ends in is a film's."""
-    if not isinstance(value, str | os.PathLike):
-        raise ValueError(f"{name} takes the name of a file, not {value!r:.40}")
-    path = Path(value)
+    path = arguments.path(name, value)
     if path.suffix.lower() not in (*CODECS, ".gif"):
         raise ValueError(f"'{path}' is no film: its name must end in {', '.join(CODECS)} or .gif")
     return path

@@ -16,7 +16,6 @@ ViewSender.cs and FilmView.cs. It needs only pyzmq.
 
 import logging
 import math
-import re
 import threading
 import time
 from collections import deque
@@ -33,6 +32,7 @@ from netmq_example.messages import LIMIT, Array, Message, MessageError, take
 from netmq_example.one_connection import NO_CONNECTION, TRY_SECONDS, connect_once, poll
 from netmq_example.program import limit
 from netmq_example.trouble import cure, longer
+from netmq_example.video.game import ENDPOINT, NAME
 
 # Pictures that were sent and are not acknowledged by Python yet, and pictures at all.
 MOST_SENT = 2
@@ -79,8 +79,7 @@ class FilmView:
     """Half of it is for the game's thread, half for the network's."""
 
     def __init__(self, name: str, width: int, height: int) -> None:
-        # It becomes the name of a file.
-        if not isinstance(name, str) or not re.fullmatch(r"[A-Za-z0-9_ -]{1,40}", name):
+        if not isinstance(name, str) or not NAME.fullmatch(name):
             raise ValueError(f"a view cannot be {name!a:.50}: give it a name of letters, digits, - and _")
         whole = all(check.is_number(side) and side == int(side) and side > 0 for side in (width, height))
         if not whole or 4 * int(width) * int(height) > LIMIT:
@@ -173,7 +172,7 @@ class ViewSender:
 
     @positional("endpoint", "timeout", "report")
     def __init__(self, endpoint: str, *, timeout: float = 30.0) -> None:
-        self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5562")
+        self.endpoint = check.endpoint(endpoint, ENDPOINT)
         self.timeout = check.seconds("timeout", timeout)
         self.report = log.warning
         # When Python was last there, and whether it is now.

@@ -11,6 +11,8 @@ browser could fill: it gets less, and always the newest.
 
 import asyncio
 import contextlib
+from collections.abc import Sequence
+from typing import Any
 
 import zmq
 import zmq.asyncio
@@ -23,7 +25,6 @@ from netmq_example.one_process import Keys
 LARGEST_BYTES = 4 * 1024 * 1024
 # A million empty frames fit in that, too, and would keep the server busy for seconds.
 MOST_FRAMES = 1000
-EXAMPLE = "tcp://127.0.0.1:5551"
 
 
 def for_browsers(keys: Keys | None = None) -> zmq.asyncio.Context:
@@ -36,14 +37,26 @@ def for_browsers(keys: Keys | None = None) -> zmq.asyncio.Context:
     return context
 
 
-class Requester:
-    """Asks a server, one request at a time."""
+class BrowserSocket:
+    """To the server at `endpoint`, which has `timeout` seconds for each answer."""
 
     def __init__(self, context: zmq.asyncio.Context, endpoint: str, timeout: float) -> None:
         self.context: zmq.asyncio.Context = check.instance("context", context, zmq.asyncio.Context)
-        self.endpoint = check.endpoint(endpoint, EXAMPLE)
+        self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5551")
         self.timeout = check.seconds("timeout", timeout)
-        self.socket: zmq.asyncio.Socket | None = None
+        self.socket: Any = None
+
+    async def ask(self, frames: list[bytes]) -> list[bytes]:
+        raise NotImplementedError
+
+    def close(self) -> None:
+        if self.socket:
+            self.socket.close()
+        self.socket = None
+
+
+class Requester(BrowserSocket):
+    """Asks a server, one request at a time."""
 
     async def ask(self, frames: list[bytes]) -> list[bytes]:
         """The frames of the reply, or Timeout; ValueError if the request has too many, or if there is no room."""
@@ -64,22 +77,12 @@ class Requester:
                 why += f" One of texts takes {program.LARGEST_BYTES} bytes, not {longest}"
             raise Timeout(why) from None
 
-    def close(self) -> None:
-        if self.socket:
-            self.socket.close()
-        self.socket = None
 
-
-class Listener:
+class Listener(BrowserSocket):
     """Listens to a topic of a publisher, and keeps only its newest message."""
 
-    def __init__(self, context: zmq.asyncio.Context, endpoint: str, timeout: float) -> None:
-        self.context: zmq.asyncio.Context = check.instance("context", context, zmq.asyncio.Context)
-        self.endpoint = check.endpoint(endpoint, EXAMPLE)
-        self.timeout = check.seconds("timeout", timeout)
-        self.topic: bytes | None = None
-        self.newest: list[bytes] = []
-        self.came = asyncio.Event()
+    topic: bytes | None = None
+    newest: Sequence[bytes] = ()
 
     async def ask(self, frames: list[bytes]) -> list[bytes]:
         """The newest message of the topic that the first frame names; no frames if nothing new came in time."""
@@ -88,6 +91,7 @@ class Listener:
             self.close()
             self.socket = opened(self.context, zmq.SUB, self.endpoint)
             self.topic = topic
+            self.came = asyncio.Event()
             self.socket.subscribe(topic)
             self.task = asyncio.create_task(self.listen())
         try:
@@ -96,7 +100,7 @@ class Listener:
         except TimeoutError:
             return []
         self.came.clear()
-        return self.newest
+        return [*self.newest]
 
     async def listen(self) -> None:
         while True:
@@ -110,14 +114,10 @@ class Listener:
             await asyncio.sleep(0.005)
 
     def close(self) -> None:
-        if self.topic is not None:
+        if self.socket:
             self.task.cancel()
-            self.socket.close()
-            self.came.clear()
+        super().close()
         self.topic = None
-
-
-BrowserSocket = Requester | Listener
 
 
 def opened(context: zmq.asyncio.Context, kind: int, endpoint: str) -> zmq.asyncio.Socket:

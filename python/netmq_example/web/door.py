@@ -23,12 +23,7 @@ import time
 from collections.abc import Awaitable, Callable, Iterator
 from typing import Any
 
-from netmq_example.extras import without
-
-try:
-    from aiohttp import web
-except ImportError as error:
-    raise without(error) from None
+from aiohttp import web
 
 from netmq_example import arguments, check
 from netmq_example.program import IN_USE, cannot_listen, more_files

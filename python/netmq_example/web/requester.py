@@ -13,12 +13,7 @@ import time
 from types import TracebackType
 from typing import Any, Self
 
-from netmq_example.extras import without
-
-try:
-    import aiohttp
-except ImportError as error:
-    raise without(error) from None
+import aiohttp
 
 from netmq_example import arguments, check
 from netmq_example.errors import Refused, Timeout

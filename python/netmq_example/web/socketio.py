@@ -14,15 +14,10 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from typing import Any
 
-from netmq_example.extras import without
-
-try:
-    import socketio
-    from aiohttp import web
-    from engineio.payload import Payload
-    from socketio.packet import Packet
-except ImportError as error:
-    raise without(error) from None
+import socketio
+from aiohttp import web
+from engineio.payload import Payload
+from socketio.packet import Packet
 
 from netmq_example.web.browser_socket import LARGEST_BYTES, MOST_FRAMES, BrowserSocket
 from netmq_example.web.door import Door, close_strangers

@@ -9,12 +9,7 @@ It needs python-socketio.
 import asyncio
 from typing import Any
 
-from netmq_example.extras import without
-
-try:
-    import socketio
-except ImportError as error:
-    raise without(error) from None
+import socketio
 
 from netmq_example.errors import Error, Refused
 from netmq_example.extras import pip_install

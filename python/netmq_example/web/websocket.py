@@ -13,12 +13,7 @@ import logging
 import struct
 from collections.abc import Callable
 
-from netmq_example.extras import without
-
-try:
-    from aiohttp import WSMessage, WSMsgType, web
-except ImportError as error:
-    raise without(error) from None
+from aiohttp import WSMessage, WSMsgType, web
 
 from netmq_example.json_text import shallow
 from netmq_example.web.browser_socket import LARGEST_BYTES, MOST_FRAMES, BrowserSocket

@@ -6,6 +6,8 @@ import numpy as np
 from gymnasium import spaces
 from gymnasium.vector.utils import batch_space, concatenate, create_empty_array, iterate
 
+from netmq_example.wire.spaces import no_place
+
 
 def together(space: spaces.Space[Any], values: list[Any]) -> Any:
     """A batch, as Gymnasium makes it of single ones."""
@@ -40,11 +42,7 @@ def empty(space: spaces.Space[Any], where: str) -> Any:
             return np.zeros(space.shape, space.dtype)
         case spaces.OneOf():
             return np.int64(0), empty(space.spaces[0], where)
-    raise no_place(space, where)
-
-
-def no_place(space: Any, where: str) -> ValueError:
-    return ValueError(f"{where}: {space} has no place in a message; Gymnasium's own spaces have")
+    raise no_place(space, f"{where}: ")
 
 
 def unstacked(space: Any, values: Any) -> list[Any]:

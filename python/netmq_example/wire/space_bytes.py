@@ -17,7 +17,7 @@ from gymnasium import spaces
 from netmq_example.messages import MessageError
 from netmq_example.wire import trees
 from netmq_example.wire.batches import together, unstacked
-from netmq_example.wire.spaces import REASONS, Codec, Numbers, exactly, misfit
+from netmq_example.wire.spaces import REASONS, Codec, Numbers, exactly, misfit, no_place
 
 SIZE = trees.SIZE
 NO_EDGES = 2**32 - 1
@@ -224,7 +224,7 @@ def codec_of(space: spaces.Space[Any]) -> Codec:
             return Graph(space)
         case spaces.OneOf():
             return OneOf(space)
-    raise ValueError(f"{space} has no place in a message; Gymnasium's own spaces have")
+    raise no_place(space)
 
 
 def read_size(view: memoryview, at: int, none: int = -1) -> tuple[int, int]:

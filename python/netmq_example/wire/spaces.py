@@ -64,7 +64,11 @@ def described(space: Space[Any]) -> list[Any]:
             return ["graph", described(space.node_space), edges]
         case spaces.OneOf():
             return ["one_of", [described(part) for part in space.spaces]]
-    raise ValueError(f"{space} has no place in a message; Gymnasium's own spaces have")
+    raise no_place(space)
+
+
+def no_place(space: Any, where: str = "") -> ValueError:
+    return ValueError(f"{where}{space} has no place in a message; Gymnasium's own spaces have")
 
 
 def sendable(limits: Any) -> Any:

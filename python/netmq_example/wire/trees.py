@@ -24,7 +24,6 @@ a message, or what is wrong with what a peer sent. In C# it is MessageTree.cs. I
 
 import functools
 import importlib
-import json
 import math
 import re
 import struct
@@ -34,7 +33,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from netmq_example import arguments, check
-from netmq_example.json_text import DECODER, ENCODER, shallow
+from netmq_example.json_text import ENCODER, parsed, shallow
 from netmq_example.messages import DTYPES, LIMIT, Array, MessageError
 from netmq_example.wire.graphs import GraphInstance
 
@@ -86,9 +85,8 @@ def written(form_and: Callable[[list[Any]], Any]) -> bytes:
 def pairs_of(form: bytes) -> list[tuple[str, Any]]:
     """The way back: texts with their forms."""
     try:
-        parsed = DECODER.decode(shallow(form.decode()))
-        json.dumps(parsed, ensure_ascii=False).encode()
-        return [(arguments.text("a locator", text), part) for text, part in check.instance("pairs", parsed, list)]
+        pairs = check.instance("pairs", parsed(form), list)
+        return [(arguments.text("a locator", text), part) for text, part in pairs]
     except REASONS as error:
         raise bad(error) from None
 
@@ -196,9 +194,7 @@ def kept(make: Callable[[bytes], T]) -> Callable[[bytes], T]:
 @kept
 def reader_of(form: bytes) -> Reader:
     try:
-        parsed = DECODER.decode(shallow(form.decode()))
-        json.dumps(parsed, ensure_ascii=False).encode()
-        return reader(parsed)
+        return reader(parsed(form))
     except REASONS as error:
         raise bad(error) from None
 
