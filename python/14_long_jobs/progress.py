@@ -10,7 +10,6 @@ Where no terminal is, there is a line for each tenth instead of the bar.
 
 import sys
 
-from netmq_example import check
 from netmq_example.messages import Message
 
 BAR_CHARACTERS = 30
@@ -18,7 +17,7 @@ BAR_CHARACTERS = 30
 
 def words(news: Message) -> str:
     """A message that JobClient.watch has yielded, in words."""
-    values = check.instance("news", news, Message).values
+    values = news.values
     if news.kind == "accepted" and values["position"]:
         return f"accepted, number {values['position']} of those that wait"
     if news.kind not in ("feedback", "result"):
@@ -31,7 +30,7 @@ def words(news: Message) -> str:
 
 def share(news: Message) -> float | None:
     """How much of it is done, from 0 to 1; only feedback moves the bar."""
-    if check.instance("news", news, Message).kind != "feedback":
+    if news.kind != "feedback":
         return None
     return float(min(max(news.values["done"] / max(news.values["total"], 1), 0.0), 1.0))
 
@@ -43,9 +42,6 @@ class Progress:
         self.tenth = -1
 
     def show(self, line: str, share: float | None = None) -> None:
-        check.instance("line", line, str)
-        if share is not None and not (check.is_number(share) and 0 <= share <= 1):
-            raise ValueError(f"share takes a number from 0 to 1, or None, not {share!r:.40}")
         tenth = -1 if share is None else int(share * 10)
         if share is None:
             # Over the bar, of which nothing is left.

@@ -13,7 +13,6 @@ import logging
 import re
 from typing import Any
 
-from netmq_example import check
 from netmq_example.errors import Error
 from netmq_example.jobs.client import JobClient
 from netmq_example.messages import Message, take
@@ -23,9 +22,7 @@ MOST_CHARACTERS = 1000
 
 def ask(client: JobClient, prompt: str, most: int) -> Message:
     """The request, for `client.watch`, with which the character begins to speak: `most` words at most."""
-    return check.instance("client", client, JobClient).goal(
-        "talk", check.count("most", most), a_prompt("prompt", prompt)
-    )
+    return client.goal("talk", most, a_prompt("prompt", prompt))
 
 
 def a_prompt(name: str, value: Any) -> str:
@@ -53,7 +50,7 @@ class Speech:
     def hear(self, news: Message) -> None:
         """Print what is new of it."""
         # At another end the text says why there is no more.
-        if check.instance("news", news, Message).kind != "feedback" and news.values.get("status") != "succeeded":
+        if news.kind != "feedback" and news.values.get("status") != "succeeded":
             return
         words = take(news.values, "text", str).split()
         line = "".join(c if c.isprintable() else "?" for c in " ".join(words))
@@ -66,7 +63,6 @@ class Speech:
 
     def say(self, line: str) -> None:
         """A line of its own."""
-        check.instance("line", line, str)
         self.end_line()
         print(line, flush=True)
 
@@ -82,7 +78,7 @@ class Speech:
 
     def outcome(self, result: Message) -> str:
         """The last line. Error if the job was aborted."""
-        status = take(check.instance("result", result, Message).values, "status", str)
+        status = take(result.values, "status", str)
         if status == "aborted":
             raise Error(f"the answer broke off: {take(result.values, 'text', str)}; ask again")
         left = ", and you walked away" if status == "canceled" else ""

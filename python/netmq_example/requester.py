@@ -101,7 +101,7 @@ class Requester(Client):
             # Without waiting: after a peer that broke the protocol there may be no connection to send on.
             socket.send_multipart(request, zmq.NOBLOCK, copy=self.copies)
             while left > 0 and not self.stopped.is_set() and not socket.poll(min(SLICE_MS, int(left * 1000) + 1)):
-                left = min(end, until()) - time.monotonic()
+                left = 0 if self.is_dead() else min(end, until()) - time.monotonic()
             frames = socket.recv_multipart(zmq.NOBLOCK, copy=self.copies)
         except zmq.Again:
             pass
@@ -115,6 +115,10 @@ class Requester(Client):
 
     def is_reply(self, frames: list[Any], request: list[bytes]) -> bool:
         return bool(frames)
+
+    def is_dead(self) -> bool:
+        """Whether nothing will come over this socket any more."""
+        return False
 
     def stop(self) -> None:
         """On any thread: end the request under way, and every later one, by Closed."""

@@ -57,9 +57,7 @@ class UnityGymEnv(MadeAnew, Rendered, gymnasium.Env[Any, Any]):
         agent_name: str | None = None,
         **words: Any,
     ) -> None:
-        check_space(observation_space, "observation")
-        check_space(action_space, "action")
-        self.given = observation_space, action_space
+        self.given = check_space(observation_space, "observation"), check_space(action_space, "action")
         self.agent_name = None if agent_name is None else arguments.text("agent_name", agent_name)
         self.kind: Any = None
         # Whether an episode is under way.
@@ -153,9 +151,10 @@ class UnityGymEnv(MadeAnew, Rendered, gymnasium.Env[Any, Any]):
         return pictures[0] if len(pictures) == 1 else pictures[self.kind.first + self.row]
 
 
-def check_space(space: Any, which: str) -> None:
+def check_space(space: Any, which: str) -> Any:
     """Refuse a space that has no place in a message, before the wait for a simulator."""
     if space is not None:
         if not isinstance(space, Space):
             raise ValueError(f"{which}_space takes a space of Gymnasium, not {space!r:.40}")
         empty(space, which)
+    return space

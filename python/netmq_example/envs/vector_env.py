@@ -50,9 +50,7 @@ class UnityVectorEnv(VectorRows, VectorEnv[Any, Any, Any]):
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         **words: Any,
     ) -> None:
-        check_space(observation_space, "observation")
-        check_space(action_space, "action")
-        self.given = observation_space, action_space
+        self.given = check_space(observation_space, "observation"), check_space(action_space, "action")
         self.agent_name = None if agent_name is None else arguments.text("agent_name", agent_name)
         if autoreset_mode not in [*AutoresetMode, *(mode.value for mode in AutoresetMode)]:
             modes = ", ".join(mode.value for mode in AutoresetMode)

@@ -10,18 +10,17 @@ Bytes: UTF-8 text, one frame each way.
 """
 
 import os
-import time
 from pathlib import Path
 from typing import Any
 
 import zmq
 
 from netmq_example import arguments, check
-from netmq_example.errors import Timeout
+from netmq_example.errors import Closed, Timeout
 from netmq_example.former import positional
 from netmq_example.one_process import one_at_a_time
 from netmq_example.program import Context, Socket, encoded, option, text_of
-from netmq_example.requester import PAUSE_SECONDS, Client
+from netmq_example.requester import Requester
 from netmq_example.security.keys import checked, load, make
 from netmq_example.trouble import longer, tried
 
@@ -54,8 +53,11 @@ def client_keys(text: str) -> ClientKeys:
     return option(lambda _, folder: ClientKeys(folder), text, str)
 
 
-class SecureRequester(Client):
+class SecureRequester(Requester):
     """Asks a server that knows its clients: on any thread, but on one at a time."""
+
+    # Whether the last try was connected, and cut off.
+    thrown_out = False
 
     @positional("context", "endpoint", "keys", "timeout", "tries", "report")
     def __init__(
@@ -78,60 +80,41 @@ class SecureRequester(Client):
     @one_at_a_time
     def request(self, text: str) -> str:
         """The reply; Timeout, which says why, when no try was answered. ValueError: it is too long."""
-        check.instance("text", text, str)
+        if self.stopped.is_set():
+            raise Closed("this requester is closed: make a new one")
+        request = [encoded(text)]
         self.number += 1
-        request = encoded(text)
         for attempt in range(1, self.tries + 1):
-            reply, trouble = self._try(request, longer(self.timeout, attempt - 1))
-            if reply is not None:
-                return reply
-            # A REQ socket that waits for a reply refuses to send, and one that was refused is dead.
-            self.close_socket()
+            timeout = longer(self.timeout, attempt - 1)
+            frames = self.exchange(request, timeout)
+            if frames:
+                return " ".join(map(text_of, frames))
+            trouble = f"{'nobody answers to this name' if self.search.vain else 'no reply'} within {timeout:g} s"
+            if self.thrown_out:
+                trouble = THROWN_OUT
             if attempt < self.tries:
                 self.report(f"{self.number}: {trouble}; try {attempt + 1} of {self.tries}")
-        if trouble == THROWN_OUT:
-            cure = self._advice()
-        else:
+        if not self.thrown_out:
             cure = self.search.cure("is the server running, or its reply over 64 KB?")
+        elif isinstance(self.keys, ClientKeys):
+            key = self.keys.public.decode()
+            cure = f"is this client on its list, is server.key its key, and has it keys at all? This client's is {key}"
+        else:
+            cure = "a server with keys refuses who has none"
         raise Timeout(f"{tried(self.tries)} to ask {self.endpoint}, the last: {trouble}; {cure}")
 
+    def prepared(self, kind: int) -> Socket:
+        socket = super().prepared(kind)
+        self.monitor = socket.get_monitor_socket(zmq.EVENT_DISCONNECTED)
+        return socket
+
+    def is_dead(self) -> bool:
+        return bool(self.monitor.poll(0))
+
     def close_socket(self) -> None:
+        self.thrown_out = False
         if self.socket:
+            self.thrown_out = self.is_dead()
             self.socket.disable_monitor()
             self.monitor.close()
         super().close_socket()
-
-    def _try(self, request: bytes, timeout: float) -> tuple[str | None, str]:
-        """One try: the reply, or what came in its place."""
-        if not self.socket:
-            where = self.search.find(timeout)
-            if not where:
-                return None, f"nobody answers to this name within {timeout:g} s"
-            self.socket = self._open(where)
-        end = time.monotonic() + timeout
-        try:
-            self.socket.send(request, zmq.NOBLOCK)
-        except zmq.Again:
-            # There is no connection to send on. The monitor may say why.
-            pass
-        while time.monotonic() < end:
-            left_ms = int((end - time.monotonic()) * 1000) + 1
-            if self.socket.poll(min(10, left_ms)):
-                return " ".join(map(text_of, self.socket.recv_multipart())), ""
-            if self.monitor.poll(0):
-                # Most often it is refused again; and if the server was started anew, it is there a moment later.
-                time.sleep(PAUSE_SECONDS)
-                return None, THROWN_OUT
-        return None, f"no reply within {timeout:g} s"
-
-    def _open(self, where: str) -> Socket:
-        socket = self.prepared(zmq.REQ)
-        self.monitor = socket.get_monitor_socket(zmq.EVENT_DISCONNECTED)
-        socket.connect(where)
-        return socket
-
-    def _advice(self) -> str:
-        if not isinstance(self.keys, ClientKeys):
-            return "a server with keys refuses who has none"
-        key = self.keys.public.decode()
-        return f"is this client on its list, is server.key its key, and has it keys at all? This client's is {key}"

@@ -19,7 +19,7 @@ from typing import Any
 from netmq_example import check
 from netmq_example.errors import Lost, Timeout
 from netmq_example.messages import Message, MessageError, take
-from netmq_example.video.film_writer import new_path, open_film, usual_ending
+from netmq_example.video.film_writer import open_film, usual_ending
 
 
 def free_path(view: str) -> Path:
@@ -39,8 +39,8 @@ class ViewFilm:
         self.view = check.instance("view", view, str)
         if path == "":
             path = free_path(view)
-        self.path = None if path is None else new_path("path", path)
-        self.file = None if self.path is None else open_film(self.path, fps)
+        self.file = None if path is None else open_film(path, fps)
+        self.path = self.file.path if self.file else None
         # The id of its begin, and height and width; the game says both.
         self.id = 0
         self.size = (0, 0)
