@@ -13,10 +13,11 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+import zmq
 
 from kitlib.lessons import KitError, Lesson, lessons
 from kitlib.setup import dotnet, python_setup
-from tests.programs import ROOT, InTurn, Program, Run, python_in_turn, two_ports
+from tests.programs import LIMIT, ROOT, InTurn, Program, Run, python_in_turn, two_ports
 
 PYTHON = Path(sys.executable)
 CLIENTS = ("python", "csharp", "unity")
@@ -183,6 +184,14 @@ def serve_own(start: Callable[..., Program], tmp_path: Path) -> Callable[..., tu
         return server, server.wait_for(r"^listening on (\S+)")[1]
 
     return serve_own
+
+
+@pytest.fixture
+def context() -> Iterator[zmq.Context[zmq.Socket[bytes]]]:
+    """Its sockets leave at once, whatever they have not sent. One that waits in vain raises zmq.Again in the end."""
+    with zmq.Context() as context:
+        context.linger, context.rcvtimeo = 0, int(1000 * LIMIT)
+        yield context
 
 
 @pytest.fixture

@@ -9,13 +9,13 @@ import sys
 import time
 
 import pytest
-import zmq
 
 from kitlib.docs import guide
 from netmq_example import JobClient, LazyPirate, Publisher, TopicListener, errors
 from netmq_example.pose_stream import snapshots_beside
 from tests.conftest import PYTHON
-from tests.programs import LIMIT, ROOT, finished, steady_endpoint, two_ports
+from tests.lessons.conftest import ask
+from tests.programs import ROOT, finished, steady_endpoint, two_ports
 
 BLOCKS = [block for page in guide.pages() for block in guide.blocks(page)]
 # A program finds the package here, as if it was installed.
@@ -43,7 +43,7 @@ def run(start, tmp_path):
     return run
 
 
-def test_a_server_of_ones_own(run, tmp_path):
+def test_a_server_of_ones_own(run, tmp_path, context):
     server, its_test = programs("test_a_server_of_ones_own")
     (tmp_path / "my_server.py").write_text(server, encoding="utf-8")
     (tmp_path / "test_my_server.py").write_text(its_test, encoding="utf-8")
@@ -52,35 +52,25 @@ def test_a_server_of_ones_own(run, tmp_path):
     assert "1 passed" in done.stdout, done.stdout + done.stderr
     program = run(server, ":5551", ":0", before=LOGGED)
     endpoint = program.wait_for(r"^INFO:netmq_example.server:listening on (\S+)$")[1]
-    with zmq.Context() as context, context.socket(zmq.REQ) as old, LazyPirate(endpoint) as pirate:
-        old.linger, old.rcvtimeo = 0, int(1000 * LIMIT)
-        old.connect(endpoint)
-        old.send_string("one frame")
-        assert old.recv_string() == "ONE FRAME"
+    assert ask(context, endpoint, b"one frame") == [b"ONE FRAME"]
+    with LazyPirate(endpoint) as pirate:
         assert pirate.request("two") == "TWO"
     code = program.stop(signal.SIGINT)
     assert sys.platform == "win32" or (code == 0 and "Traceback" not in program.output), program.output
 
 
-def test_a_lazy_pirate_and_a_journal_of_ones_own(run, serve):
+def test_a_lazy_pirate_and_a_journal_of_ones_own(run, serve, context):
     client, journal = programs("test_a_lazy_pirate_and_a_journal_of_ones_own")
     endpoint = serve("02_lazy_pirate")[1]
     client = run(client, "tcp://127.0.0.1:5552", endpoint)
     assert client.wait() == 0 and client.lines == ["1"], client.output
     endpoint = steady_endpoint()
     server = run(journal, "tcp://127.0.0.1:5552", endpoint)
-    with zmq.Context() as context, context.socket(zmq.REQ) as socket:
-        socket.linger, socket.rcvtimeo = 0, int(1000 * LIMIT)
-        socket.connect(endpoint)
-
-        def ask(id):
-            socket.send_multipart([id, b"Ada"])
-            return socket.recv_multipart()[1]
-
-        assert [ask(b"1"), ask(b"1"), ask(b"2")] == [b"visit 1", b"visit 1", b"visit 2"]
-        server.kill()
-        run(journal, "tcp://127.0.0.1:5552", endpoint)
-        assert [ask(b"2"), ask(b"3")] == [b"visit 2", b"visit 3"]
+    visits = [ask(context, endpoint, id, b"Ada")[1] for id in (b"1", b"1", b"2")]
+    server.kill()
+    run(journal, "tcp://127.0.0.1:5552", endpoint)
+    visits += [ask(context, endpoint, id, b"Ada")[1] for id in (b"2", b"3")]
+    assert visits == [b"visit 1", b"visit 1", b"visit 2", b"visit 2", b"visit 3"]
 
 
 def test_a_listener_in_python(run):

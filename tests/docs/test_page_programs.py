@@ -5,11 +5,11 @@ import re
 from pathlib import Path
 
 import pytest
-import zmq
 
 from kitlib.docs import guide
 from kitlib.setup import dotnet
 from tests.conftest import PYTHON
+from tests.lessons.conftest import ask
 from tests.programs import ROOT, Mark, finds_processes, finished, steady_endpoint
 
 BLOCKS = [block for page in guide.pages() for block in guide.blocks(page)]
@@ -380,19 +380,15 @@ while True:
     assert others == ["HandReceiver: drag the points of your hand into its field Joints, and leave none empty"]
 
 
-def test_unity_tells_one_who_publishes(tmp_path, start):
+def test_unity_tells_one_who_publishes(tmp_path, start, context):
     """The page's lines, asked in the bytes of lesson 02: what is asked again, by its id, is not done again."""
     (hear,) = (block.body for block in BLOCKS if "test_unity_tells_one_who_publishes" in block.source)
     endpoint = steady_endpoint()
     program = hear.replace("tcp://127.0.0.1:5053", endpoint) + "\nwhile True:\n    hear()\n    time.sleep(0.03)\n"
     (tmp_path / "publisher.py").write_text(f"import time\n\nimport zmq\n\n{program}", encoding="utf-8")
     python = start(PYTHON, tmp_path / "publisher.py")
-    with zmq.Context() as context, context.socket(zmq.REQ) as unity:
-        unity.linger, unity.rcvtimeo = 0, 100_000
-        unity.connect(endpoint)
-        for id in (b"1", b"2", b"1", b"3"):
-            unity.send_multipart([id, b"left hand", id])
-            assert unity.recv_multipart() == [id, b"heard"]
+    for id in (b"1", b"2", b"1", b"3"):
+        assert ask(context, endpoint, id, b"left hand", id) == [id, b"heard"]
     python.wait_for("^Unity says left hand 3$")
     assert python.lines == [f"Unity says left hand {number}" for number in (1, 2, 3)]
 

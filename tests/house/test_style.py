@@ -258,3 +258,118 @@ def test_the_package_logs_and_leaves_the_end_to_programs():
             if isinstance(node, ast.Name | ast.Attribute) and ast.unparse(node) in ENDS and path.stem not in ENDING:
                 found.append(f"{path.relative_to(ROOT).as_posix()}:{node.lineno}: {ast.unparse(node)}")
     assert found == []
+
+
+# A low floor, floors above each other, and separate rooms: the package as its real imports show it.
+
+
+PYTHON_PACKAGE = ROOT / "python" / "netmq_example"
+# Environments: they need what the clients and servers have, and never the other way round.
+ABOVE = {
+    *("wire", "locator", "envs", "scene", "fleet", "worlds", "video", "sb3", "mlagents_envs", "mlagents_learn"),
+    *("records", "spaces", "space_bytes", "space_numbers", "trees", "split_mix", "locator_reader"),
+    *("simulation", "side_channel", "environment", "base_env", "exception", "cross_entropy"),
+}
+ROOMS = {"jobs", "fleet", "body", "talk"}
+
+# The server of lesson 01 runs up to its first receive, which ends it as Ctrl-C would.
+FIRST_RECEIVE = """
+import runpy, sys, zmq
+def stop(*_, **__): raise KeyboardInterrupt
+zmq.Socket.recv = zmq.Socket.recv_multipart = zmq.Socket.poll = stop
+sys.argv = [sys.argv[1], "--endpoint", "tcp://127.0.0.1:0"]
+try: runpy.run_path(sys.argv[0], run_name="__main__")
+except SystemExit: pass
+print(*(module.__file__ for name, module in sys.modules.items() if name.startswith("netmq_example")), sep="\\n")
+"""
+
+
+def room(path):
+    """The folder of the package in which a module lies, or the module itself."""
+    return path.relative_to(PYTHON_PACKAGE).parts[0].removesuffix(".py")
+
+
+def needs():
+    """Each module's room and another one that it imports, as (path, its room, the other room)."""
+    for path in PYTHON_PACKAGE.rglob("*.py"):
+        for name in imports_of(path):
+            package, _, rest = str(name).partition(".")
+            if package == "netmq_example" and rest:
+                yield path.relative_to(PYTHON_PACKAGE).as_posix(), room(path), rest.partition(".")[0]
+
+
+def test_clients_and_servers_need_no_environments():
+    assert {(path, other) for path, own, other in needs() if own not in ABOVE and other in ABOVE} == set()
+
+
+def test_the_rooms_of_lessons_14_17_20_and_21_need_nothing_of_each_other():
+    assert {(path, other) for path, own, other in needs() if {own, other} <= ROOMS and own != other} == set()
+
+
+def test_the_floor_of_lesson_01_is_low():
+    server = ROOT / "python" / "01_request_reply" / "server.py"
+    words = [sys.executable, "-c", FIRST_RECEIVE, server]
+    done = finished(words)
+    files = [line for line in done.stdout.splitlines() if str(PYTHON_PACKAGE) in line]
+    code = {file: len(python_lines(Path(file).read_text(encoding="utf-8"))) for file in files}
+    assert "listening on " in done.stdout, done.stderr
+    assert 1 < len(code) <= 7 and sum(code.values()) <= 350, code
+
+
+# An error that ends a program says in its one line what went wrong and what to do, so no page has to explain it.
+
+
+# Those that end a program. A MessageError is a reply with a code, and a ValueError a mistake in the caller's code.
+PYTHON_ERRORS = {
+    *("Error", "Timeout", "Lost", "Closed", "ListenError", "SourceError", "WorkError", "OSError"),
+    *("KitError", "UsageError", "NoNetMQ", "argparse.ArgumentTypeError", "sys.exit"),
+}
+CSHARP_ERRORS = "TimeoutException|UsageException|GaveUpException|InvalidOperationException"
+# "…; do this", "…: do this", a question that leads to the cause, a hole called cure, or the rule that was broken.
+CURE = r"; |: (?!\{)|\?|\{(with_)?cure|\{pip_install| takes | must |, not \{"
+# These hand on a text of another place that has its own cure, or another program's words.
+HANDED_ON = r"(gave up|no poses|failed|Ollama says): \{.*|scope, \{.*|\{[^}]*\}: \{.*"
+# After these a program goes on by itself, or it has closed the thing itself.
+GOES_ON = {"the client was disposed", "the environment is gone, or silent", "Python is gone", "no connection"}
+GOES_ON |= {"the client was closed", "the listener was stopped", "the game is gone", "there is no game, or it is gone"}
+
+
+def without_code(text):
+    """The hole of an f-string holds code: of it only the name is kept."""
+    return re.sub(r"\{(\w*)[^{}]*\}", r"{\1}", text)
+
+
+def text_of(node):
+    """The text that an expression is made of, with its holes; empty if it is none."""
+    if isinstance(node, ast.Constant) and isinstance(node.value, str):
+        return node.value
+    if isinstance(node, ast.JoinedStr):
+        return without_code(ast.unparse(node)[2:-1])
+    return text_of(node.left) + text_of(node.right) if isinstance(node, ast.BinOp) else ""
+
+
+def python_texts(path):
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Call) and ast.unparse(node.func) in PYTHON_ERRORS and node.args:
+            yield text_of(node.args[0])
+
+
+def csharp_texts(path):
+    for thrown in re.findall(
+        rf"throw new (?:{CSHARP_ERRORS})\((.*?)\);\n", path.read_text(encoding="utf-8"), re.DOTALL
+    ):
+        yield without_code("".join(re.findall(r'"((?:[^"\\]|\\.)*)"', thrown)))
+
+
+def test_an_error_names_its_cause_and_a_thing_to_do():
+    texts = {}
+    for tree in ("kit.py", "kitlib/**/*.py", "lab/**/*.py", "python/**/*.py"):
+        texts |= {text: path for path in ROOT.glob(tree) for text in python_texts(path)}
+    for tree in ("unity/**/*.cs", "csharp-console/*.cs"):
+        texts |= {text: path for path in ROOT.glob(tree) for text in csharp_texts(path)}
+    assert len(texts) > 150
+    assert [
+        f"{path.relative_to(ROOT).as_posix()}: {text}"
+        for text, path in texts.items()
+        if text and not re.search(CURE, text) and not re.fullmatch(HANDED_ON, text) and text not in GOES_ON
+    ] == []

@@ -1,8 +1,6 @@
 """The front door: what `import netmq_example` gives to a program of one's own."""
 
-import builtins
 import importlib
-import pickle
 import subprocess
 import sys
 from operator import attrgetter
@@ -11,7 +9,7 @@ import pytest
 import zmq
 
 import netmq_example
-from netmq_example import errors, messages
+from netmq_example import messages
 from tests.programs import LIMIT, ROOT, steady_endpoint
 
 ALONE = """
@@ -66,25 +64,6 @@ def test_what_has_a_socket_shows_its_endpoint_and_is_closed_once(name):
     with made(endpoint=endpoint, **SHAPES[name]) as opened:
         assert repr(opened) == f"{kind}('{endpoint}')"
         opened.close()
-
-
-@pytest.mark.parametrize(
-    ("made", "builtin"),
-    [
-        (errors.Timeout("nothing came"), TimeoutError),
-        (errors.Refused("busy", "try again", 7), Exception),
-        (errors.MessageError("bad-json", "no JSON", 7), ValueError),
-        (errors.Closed("closed"), Exception),
-        (errors.Lost("gone"), ConnectionError),
-        (errors.ListenError(98, "cannot listen on tcp://127.0.0.1:1"), OSError),
-    ],
-)
-def test_each_error_is_a_builtin_one_and_can_be_pickled(made, builtin):
-    again = pickle.loads(pickle.dumps(made))
-    assert isinstance(made, errors.Error)
-    assert isinstance(made, builtin)
-    assert (type(again), str(again), vars(again)) == (type(made), str(made), vars(made))
-    assert made.__class__.__name__ not in vars(builtins)
 
 
 def former(name, *words):

@@ -58,17 +58,6 @@ def bare_python(tmp_path):
     return tmp_path / "bare" / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
 
 
-def test_run_shows_both_sides_and_ends_with_the_clients_code(start):
-    words = ["--client", "python", "--endpoint", "tcp://127.0.0.1:0"]
-    program = start(PYTHON, KIT, "run", "1", *words, UNHURRIED)
-    assert program.wait(500) == 0, program.output
-    assert "client | done: 10 replies" in program.lines
-    assert program.lines.count("server | sent b'World'") == 10
-    failing = start(PYTHON, KIT, "run", "01", *words, "--server=--delay 30", "--options=--timeout 0.2")
-    assert failing.wait(500) == 1, failing.output
-    assert any(line.startswith("client | gave up") for line in failing.lines)
-
-
 class Stopped(Program):
     """kit.py in a terminal of its own, and everything that it started, found by a mark in the environment."""
 

@@ -22,14 +22,6 @@ from tests.machines import Machines
 from tests.programs import LIMIT, ROOT, steady_port
 
 
-@pytest.fixture
-def context():
-    """Its sockets leave at once, whatever they have not sent. One that waits in vain raises zmq.Again in the end."""
-    with zmq.Context() as context:
-        context.linger, context.rcvtimeo = 0, int(1000 * LIMIT)
-        yield context
-
-
 def bind(socket, endpoint="tcp://127.0.0.1:*"):
     """Let it listen: where that is."""
     socket.bind(endpoint)
@@ -137,17 +129,18 @@ def ask(context, endpoint, *frames, kind=zmq.REQ):
 
 
 @contextlib.contextmanager
-def answering(context, answer):
-    """A server by hand on a thread of its own, with the reply's frames for a request's; and where it is."""
+def answering(context, answer, kind=zmq.REP, prepare=lambda socket: None):
+    """A server by hand on a thread of its own, with the reply's frames for a request's, or none; and where it is."""
     over = threading.Event()
 
     def serve():
         with rep:
             while not over.is_set():
-                if rep.poll(50):
-                    rep.send_multipart(answer(rep.recv_multipart()))
+                if rep.poll(50) and (reply := answer(rep.recv_multipart())):
+                    rep.send_multipart(reply)
 
-    rep = context.socket(zmq.REP)
+    rep = context.socket(kind)
+    prepare(rep)
     endpoint = bind(rep)
     thread = threading.Thread(target=serve)
     thread.start()

@@ -86,19 +86,6 @@ def test_only_new_work_crashes_the_server(context, pirate_server):
 
 
 @clients
-def test_without_a_server_it_gives_up(kind, run):
-    endpoint = steady_endpoint()
-    client = run(kind, KEY, "--endpoint", endpoint, "--timeout", "0.25", "--tries", "3")
-    assert client.code == 1, client
-    assert client.lines[1:] == [
-        retry(1, 2, tries=3, timeout=0.25),
-        retry(1, 3, tries=3, timeout=0.25),
-        f"gave up: 3 tries to ask {endpoint}, the last: no reply within 1 s; "
-        "is the right server running, the line slow, or the reply over 64 KB? 'add 1' may have been done or not",
-    ]
-
-
-@clients
 def test_a_server_that_speaks_otherwise(kind, serve, run):
     """Its answer is shown, so that the reader sees what is wrong; and a wrong answer does not use up all tries at once,
     because the right server may be there in a moment."""

@@ -27,11 +27,7 @@ def arrays(draw):
 
 
 good = st.builds(
-    Message,
-    texts,
-    st.integers(0, EXACT),
-    st.dictionaries(texts, values, max_size=4),
-    st.lists(arrays(), max_size=3),
+    Message, texts, st.integers(0, EXACT), st.dictionaries(texts, values, max_size=4), st.lists(arrays(), max_size=3)
 )
 anything = st.recursive(
     st.one_of(st.none(), st.booleans(), st.integers(-(2**70), 2**70), st.floats(), texts),

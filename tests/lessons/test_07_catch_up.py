@@ -7,11 +7,9 @@ import time
 import pytest
 import zmq
 
-from netmq_example.errors import Error
-from netmq_example.pose_stream import PoseSubscriber
 from tests.conftest import CLIENTS
 from tests.lessons.conftest import answering, ask, bind, on_the_circle
-from tests.programs import LIMIT, PATIENT, free_port, steady_endpoint, two_ports
+from tests.programs import LIMIT, PATIENT, free_port, two_ports
 
 KEY = "07_catch_up"
 GERMAN = {"LANG": "de_DE.UTF-8", "LC_ALL": "de_DE.UTF-8"}
@@ -336,16 +334,3 @@ def test_where_100_higher_is_no_port_it_says_so(runs):
         ((code, lines),) = runs(kind, KEY, [["--endpoint", "tcp://127.0.0.1:65500"]])
         assert code == 2, kind
         assert "bad endpoint 'tcp://127.0.0.1:65600'" in lines[-1]
-
-
-# The class, without a program around it
-
-
-def test_what_is_no_publisher_is_no_timeout(context):
-    """Two exceptions: nothing came in time, and what came is no snapshot."""
-    nowhere = steady_endpoint()
-    with context.socket(zmq.SUB) as stream, pytest.raises(TimeoutError, match="no snapshot from"):
-        PoseSubscriber(nowhere, snapshots=nowhere, stream=stream).receive(0.1)
-    hello = answering(context, lambda frames: [b"Hello"])
-    with context.socket(zmq.SUB) as stream, hello as other, pytest.raises(Error, match="gives no snapshots"):
-        PoseSubscriber(nowhere, snapshots=other, stream=stream).receive(100)

@@ -357,9 +357,10 @@ def test_a_golden_record_that_is_cut_anywhere_is_none(program):
     whole = {(entry["space"], entry["agents"], ask) for entry in right for ask in entry["asks"]}
     cut = [(*words, ask[:at]) for *words, ask in sorted(whole) for at in range(2, len(ask), 2)]
     assert {*said_by(program, "rows", lines=[" ".join(map(str, words)) for words in cut])} == {"error bad-record"}
-    for *_, digits in cut:
+    answers = [(ANSWERS, entry["says"][:at]) for entry in right for at in range(2, len(entry["says"]), 2)]
+    for kind, digits in [*((ASKS, digits) for *_, digits in cut), *answers]:
         with pytest.raises(MessageError, match=r"^bad-record: "):
-            read(ASKS, bytes.fromhex(digits))
+            read(kind, bytes.fromhex(digits))
 
 
 def stepped(name, row):

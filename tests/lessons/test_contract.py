@@ -9,7 +9,6 @@ import re
 import signal
 import socket
 import sys
-import threading
 import time
 
 import pytest
@@ -18,6 +17,7 @@ import zmq
 from kitlib.lessons import Lesson, lessons
 from tests.bad_peers import NetMQsFault, cuts_off_what_is_endless, greeting, ready
 from tests.conftest import PYTHON
+from tests.lessons.conftest import answering
 from tests.programs import PATIENT, ROOT, finished, free_port, places
 
 sys.path.append(str(ROOT / "python" / "15_security"))
@@ -142,31 +142,24 @@ def give_keys(key, folder, peer, server):
 @contextlib.contextmanager
 def rude_server(key, folder):
     """Answers with harm, or publishes it: where it listens, and whether anybody has come."""
-    asked, over = threading.Event(), threading.Event()
-    with zmq.Context() as context, context.socket(zmq.XPUB if only_publishes(key) else zmq.ROUTER) as rude:
-        rude.linger = 0
-        give_keys(key, folder, rude, server=True)
-        place = f"tcp://127.0.0.1:{rude.bind_to_random_port('tcp://127.0.0.1')}"
+    asked: list[bytes] = []
 
-        def answer():
-            # Not for ever: who asks again at once is soon left waiting.
-            left = 20
-            while not over.is_set():
-                if rude.poll(20):
-                    *way, text = rude.recv_multipart()
-                    # The way back and the id as they came: what a client takes for its reply. Or what it subscribed to.
-                    if left > 0:
-                        rude.send_multipart([text[1:] + HARM] if only_publishes(key) else [*way, HARM])
-                        asked.set()
-                    left -= 1
+    def answer(frames):
+        *way, text = frames
+        asked.append(text)
+        # Not for ever: who asks again at once is soon left waiting.
+        if len(asked) > 20:
+            return []
+        # The way back and the id as they came: what a client takes for its reply. Or what it subscribed to.
+        return [text[1:] + HARM] if only_publishes(key) else [*way, HARM]
 
-        thread = threading.Thread(target=answer)
-        thread.start()
-        try:
-            yield place, asked
-        finally:
-            over.set()
-            thread.join()
+    kind = zmq.XPUB if only_publishes(key) else zmq.ROUTER
+    with (
+        zmq.Context() as context,
+        answering(context, answer, kind, lambda rude: give_keys(key, folder, rude, server=True)) as place,
+    ):
+        context.linger = 0
+        yield place, asked
 
 
 class Side:
@@ -236,7 +229,7 @@ class Side:
             # It gives up, but not before it has asked or subscribed, for which on a busy machine a second may not do.
             for timeout in "1", "20":
                 ended = self.ends(["--endpoint", place, *second, "--count", "1", *self.impatient(timeout)], None)
-                if asked.is_set():
+                if asked:
                     return
         raise AssertionError(("it asked nobody", ended))
 
@@ -457,11 +450,7 @@ def fits_a_terminal(server):
     return all(line.isprintable() and "Traceback" not in line for line in server.lines)
 
 
-BUSY = {
-    KEYS[0]: ["--delay", "60"],
-    "03_publish_subscribe": ["--interval", "0"],
-    "07_catch_up": ["--interval", "0"],
-}
+BUSY = {KEYS[0]: ["--delay", "60"], "03_publish_subscribe": ["--interval", "0"], "07_catch_up": ["--interval", "0"]}
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals to end a program with")

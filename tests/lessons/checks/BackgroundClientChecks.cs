@@ -25,7 +25,7 @@ namespace NetMQExample.Tests
             var checks = new Action<string>[]
             {
                 AllocatesNothing, Ask, Asleep, Await, Cancelled, Cleanup, ListenerStops, LookUp, Nested, NeverPolled,
-                NoSocket, OneAfterAnother, Randomly, Refusal, State, StopAnswered, Stuck, Throwing, Why, Within,
+                NoSocket, OneAfterAnother, Randomly, Refusal, State, Stuck, Throwing, Why, Within,
             }.ToDictionary(check => check.Method.Name);
             try
             {
@@ -137,17 +137,6 @@ namespace NetMQExample.Tests
             client.Dispose();
             Check(!client.Request("hello", null), "accepted after Dispose");
             Equal(4, ended.Count);
-        }
-
-        // An answer that was not polled yet is still a reply when the client is disposed.
-        private static void StopAnswered(string endpoint)
-        {
-            string got = null;
-            var client = new BackgroundClient(endpoint);
-            client.Request("hello", reply => got = reply, why => got = why);
-            Until(() => client.Replies == 1);
-            StopInTime(client);
-            Equal("world", got);
         }
 
         // A game changes its server now and then: a wait that comes a second after the last one has its own time.

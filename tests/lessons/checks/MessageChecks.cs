@@ -1,4 +1,4 @@
-// test_05_messages.py and test_08_pictures.py ask this of the C# side:
+// test_05_messages.py asks this of the C# side:
 //
 //     read                  each line of the input is a message, its frames in hexadecimal digits with a space between
 //                           them, an empty one as -; its answer is "ok" and the message as it is written again, or
