@@ -64,8 +64,7 @@ def main() -> None:
                 for _ in range(MOST):
                     *way, text = socket.recv_multipart(zmq.NOBLOCK)
                     # [client][id], and of a REQ [client][][id]. To others the reply is that to an empty text.
-                    if len(way) != 2 and way[1:-1] != [b""]:
-                        text = b""
+                    text = text if len(way) == 2 or way[1:-1] == [b""] else b""
                     if not text or text.startswith(b"echo "):
                         # To hand an echo to a worker would cost more than to answer it, and so would send_multipart.
                         send_frames(socket, [*way[:3], workers.at_once(text)])

@@ -47,13 +47,9 @@ def film(films: Films, view: str, path: Path | None, fps: float, seconds: float)
         time.sleep(0.02)
 
 
-def new_film(text: str) -> Path:
-    return option(new_path, text, Path)
-
-
 def main() -> None:
     parser = server_options(__doc__, "tcp://127.0.0.1:5562")
-    parser.add_argument("--film", type=new_film, help="the file of one view, such as drive.mp4")
+    parser.add_argument("--film", type=lambda text: option(new_path, text, Path), help="of one view, such as drive.mp4")
     parser.add_argument("--view", default="", help="which view; all of them, or with --film the first")
     parser.add_argument("--seconds", type=seconds, default=4, help="how long to film")
     parser.add_argument("--fps", type=seconds, default=25, help="pictures a second")

@@ -18,11 +18,7 @@ Place = tuple[float, float, float]
 def bend(start: Place, length: float, forward: float, left: float = 0) -> Place:
     """The end of a limb that hangs down, swung forward and to the left by these angles."""
     down = length * math.cos(forward)
-    return (
-        start[0] + length * math.sin(forward),
-        start[1] + down * math.sin(left),
-        start[2] - down * math.cos(left),
-    )
+    return (start[0] + length * math.sin(forward), start[1] + down * math.sin(left), start[2] - down * math.cos(left))
 
 
 def limbs(side: int, arm: float, raised: float, elbow: float, thigh: float, knee: float) -> list[Place]:

@@ -71,7 +71,7 @@ class LazyPirate(Requester):
                 return text_of(frames[1])
             if self.stopped.is_set():
                 break
-            trouble = f"{'nobody answers to this name' if self.search.vain else 'no reply'} within {timeout:.3g} s"
+            trouble = self.trouble(timeout)
             if frames:
                 seen = printable(" ".join(map(text_of, frames)))
                 trouble = f"dropped a reply to another request ({seen})"

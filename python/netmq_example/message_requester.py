@@ -5,13 +5,11 @@ with MessageRequester("tcp://127.0.0.1:5555") as requester:
     print(reply.values)
 """
 
-from netmq_example import arguments, check
-from netmq_example.errors import Closed, Timeout
+from netmq_example import check
 from netmq_example.messages import LIMIT, Message
 from netmq_example.one_process import Keys, one_at_a_time
 from netmq_example.program import Context
-from netmq_example.requester import Requester, log
-from netmq_example.trouble import longer, tried
+from netmq_example.requester import Requester
 
 
 class MessageRequester(Requester):
@@ -42,17 +40,5 @@ class MessageRequester(Requester):
 
         Timeout: no try was answered, but it may be done. Closed: it was closed before.
         """
-        arguments.not_closed("context", self.context)
         frames = check.instance("request", request, Message).frames()
-        for attempt in range(1, self.tries + 1):
-            if self.stopped.is_set():
-                raise Closed("this requester is closed: make a new one")
-            timeout = longer(self.timeout, attempt - 1)
-            received = self.exchange(frames, timeout)
-            if received:
-                return Message.read_reply(received)
-            trouble = f"no reply within {timeout:g} s"
-            if attempt < self.tries:
-                log.warning("%s: %s; try %d of %d", request.kind, trouble, attempt + 1, self.tries)
-        cure = self.search.cure(f"is the server running, or its reply over {LIMIT >> 20} MB?")
-        raise Timeout(f"{tried(self.tries)} to ask {self.endpoint}, the last: {trouble}; {cure}")
+        return Message.read_reply(self.ask(frames, request.kind, f"{LIMIT >> 20} MB"))

@@ -15,8 +15,10 @@ import zmq
 
 from netmq_example import arguments, check
 from netmq_example.beacon import BeaconSearch
+from netmq_example.errors import Closed, Timeout
 from netmq_example.one_process import Keys, OneProcess
 from netmq_example.program import LARGEST_BYTES, Context, Socket, limit
+from netmq_example.trouble import longer, tried
 
 # The longest wait in one piece, in milliseconds: between two of them stop() is noticed and, on Windows, Ctrl-C.
 SLICE_MS = 50
@@ -88,6 +90,27 @@ class Requester(Client):
             self.socket = self.prepared(zmq.REQ)
             self.socket.connect(where)
         return self.socket
+
+    def ask(self, request: list[Any], name: object, largest: str) -> list[Any]:
+        """The frames of the reply. Timeout: no try was answered, but it may be done. Closed: it was closed before."""
+        arguments.not_closed("context", self.context)
+        for attempt in range(1, self.tries + 1):
+            if self.stopped.is_set():
+                raise Closed("this requester is closed: make a new one")
+            timeout = longer(self.timeout, attempt - 1)
+            if frames := self.exchange(request, timeout):
+                return frames
+            trouble = self.trouble(timeout)
+            if attempt < self.tries:
+                self.report(f"{name}: {trouble}; try {attempt + 1} of {self.tries}")
+        cure = self.cure(f"is the server running, or its reply over {largest}?")
+        raise Timeout(f"{tried(self.tries)} to ask {self.endpoint}, the last: {trouble}; {cure}")
+
+    def trouble(self, timeout: float) -> str:
+        return f"{'nobody answers to this name' if self.search.vain else 'no reply'} within {round(timeout, 3):g} s"
+
+    def cure(self, question: str) -> str:
+        return self.search.cure(question)
 
     def exchange(
         self, request: list[bytes], timeout: float, until: Callable[[], float] = lambda: math.inf

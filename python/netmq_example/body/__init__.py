@@ -13,9 +13,5 @@ __all__ = ["BodyListener", "BodyPose", "SourceError", "play", "read", "watch", "
 
 # Hidden from a type checker, to which any name would exist.
 if not TYPE_CHECKING:
-    ROOMS = {
-        "camera": "watch",
-        "listener": "BodyListener BodyPose",
-        "people": "SourceError play read write",
-    }
+    ROOMS = {"camera": "watch", "listener": "BodyListener BodyPose", "people": "SourceError play read write"}
     __getattr__, __dir__ = door(__name__, ROOMS)

@@ -13,9 +13,5 @@ __all__ = ["Action", "DriverClient", "Recorder", "Row", "decode", "encode", "rec
 
 # Hidden from a type checker, to which any name would exist.
 if not TYPE_CHECKING:
-    ROOMS = {
-        "client": "Action DriverClient",
-        "pictures": "decode encode",
-        "recording": "Recorder Row recorded",
-    }
+    ROOMS = {"client": "Action DriverClient", "pictures": "decode encode", "recording": "Recorder Row recorded"}
     __getattr__, __dir__ = door(__name__, ROOMS)

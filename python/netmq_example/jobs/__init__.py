@@ -14,10 +14,5 @@ __all__ = ["JobClient", "Jobs", "Journal", "Kind", "Step", "WorkError"]
 
 # Hidden from a type checker, to which any name would exist.
 if not TYPE_CHECKING:
-    ROOMS = {
-        "client": "JobClient",
-        "jobs": "Jobs",
-        "journal": "Journal",
-        "workers": "Kind Step WorkError",
-    }
+    ROOMS = {"client": "JobClient", "jobs": "Jobs", "journal": "Journal", "workers": "Kind Step WorkError"}
     __getattr__, __dir__ = door(__name__, ROOMS)

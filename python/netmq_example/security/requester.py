@@ -16,15 +16,11 @@ from typing import Any
 import zmq
 
 from netmq_example import arguments, check
-from netmq_example.errors import Closed, Timeout
 from netmq_example.former import positional
 from netmq_example.one_process import one_at_a_time
 from netmq_example.program import Context, Socket, encoded, option, text_of
 from netmq_example.requester import Requester
 from netmq_example.security.keys import checked, load, make
-from netmq_example.trouble import longer, tried
-
-THROWN_OUT = "connected and thrown out"
 
 
 class ClientKeys:
@@ -80,28 +76,19 @@ class SecureRequester(Requester):
     @one_at_a_time
     def request(self, text: str) -> str:
         """The reply; Timeout, which says why, when no try was answered. ValueError: it is too long."""
-        if self.stopped.is_set():
-            raise Closed("this requester is closed: make a new one")
-        request = [encoded(text)]
         self.number += 1
-        for attempt in range(1, self.tries + 1):
-            timeout = longer(self.timeout, attempt - 1)
-            frames = self.exchange(request, timeout)
-            if frames:
-                return " ".join(map(text_of, frames))
-            trouble = f"{'nobody answers to this name' if self.search.vain else 'no reply'} within {timeout:g} s"
-            if self.thrown_out:
-                trouble = THROWN_OUT
-            if attempt < self.tries:
-                self.report(f"{self.number}: {trouble}; try {attempt + 1} of {self.tries}")
+        return " ".join(map(text_of, self.ask([encoded(text)], self.number, "64 KB")))
+
+    def trouble(self, timeout: float) -> str:
+        return "connected and thrown out" if self.thrown_out else super().trouble(timeout)
+
+    def cure(self, question: str) -> str:
         if not self.thrown_out:
-            cure = self.search.cure("is the server running, or its reply over 64 KB?")
-        elif isinstance(self.keys, ClientKeys):
-            key = self.keys.public.decode()
-            cure = f"is this client on its list, is server.key its key, and has it keys at all? This client's is {key}"
-        else:
-            cure = "a server with keys refuses who has none"
-        raise Timeout(f"{tried(self.tries)} to ask {self.endpoint}, the last: {trouble}; {cure}")
+            return super().cure(question)
+        if not isinstance(self.keys, ClientKeys):
+            return "a server with keys refuses who has none"
+        key = self.keys.public.decode()
+        return f"is this client on its list, is server.key its key, and has it keys at all? This client's is {key}"
 
     def prepared(self, kind: int) -> Socket:
         socket = super().prepared(kind)

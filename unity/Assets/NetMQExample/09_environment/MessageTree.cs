@@ -32,8 +32,7 @@ namespace NetMQExample
         private static readonly Regex ArrayForm = new Regex(
             @"^([a-z]+[0-9]+)\[((?:[0-9]{1,9}(?:,[0-9]{1,9}){0,7})?)\]\z", RegexOptions.CultureInvariant);
         private static readonly ConcurrentDictionary<string, object> Forms = new();
-        private static readonly ConcurrentDictionary<string, (string Dtype, int[] Shape)> Arrays =
-            new ConcurrentDictionary<string, (string, int[])>();
+        private static readonly ConcurrentDictionary<string, (string Dtype, int[] Shape)> Arrays = new();
 
         internal static void Write(FrameBuffer to, object value)
         {
@@ -205,12 +204,10 @@ namespace NetMQExample
             double size = dtype == "int8" ? 1 : MessageArray.SizeOf(dtype);
             foreach (var length in shape) size *= length;
             if (size > numbers.Length) throw Bad("it ends too early");
-            // A copy: what was received goes with its message.
+            // A copy: what was received goes with its message. As in an action, int8 becomes int32.
             var data = MessageParts.Take(ref numbers, (int)size).ToArray();
-            // As in an action.
-            return dtype == "int8"
-                ? SpaceNumbers.Array("int32", Array.ConvertAll(data, number => (double)(sbyte)number), shape)
-                : new MessageArray(dtype, data, shape);
+            return dtype != "int8" ? new MessageArray(dtype, data, shape)
+                : SpaceNumbers.Array("int32", Array.ConvertAll(data, number => (double)(sbyte)number), shape);
         }
 
         private static (string, int[]) Known(string form)
@@ -225,8 +222,7 @@ namespace NetMQExample
 
         // NaN is not less than anything.
         internal static double Finite(double number) => Math.Abs(number) < double.PositiveInfinity
-            ? number
-            : throw new MessageException("bad-value", FormattableString.Invariant($"{number} is not finite"));
+            ? number : throw new MessageException("bad-value", FormattableString.Invariant($"{number} is not finite"));
 
         private static MessageException Bad(string why) =>
             new MessageException("bad-tree", $"this is no value: {why.Split('\n')[0]}");
