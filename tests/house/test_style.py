@@ -23,6 +23,8 @@ from tests.programs import ROOT, finished
 LONGER = {
     # It is a base as well, from which the world of a scene derives.
     "unity/Assets/NetMQExample/09_environment/GymManager.cs": 93,
+    # Beside what it says there is an event for the end of it.
+    "unity/Assets/NetMQExample/21_talking_character/TalkingCharacter.cs": 66,
     # It counts requests, and of these the new ones: two more lines than others have, and no trick to save them.
     "python/02_lazy_pirate/server.py": 47,
 }

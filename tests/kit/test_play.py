@@ -263,6 +263,18 @@ public class Panel : MonoBehaviour
         volume.onValueChanged.AddListener(value => status.text = $"volume {value}");
     }
 
+    private void Awake()
+    {
+        var mesh = gameObject.AddComponent<MeshFilter>().mesh = new Mesh { vertices = new Vector3[3] };
+        mesh.triangles = new[] { 0, 1, 2 };
+        mesh.RecalculateNormals();
+        gameObject.AddComponent<Animator>().Play("Wave");
+        var source = gameObject.AddComponent<AudioSource>();
+        source.clip = AudioClip.Create("beep", 2, 1, 44100, false);
+        source.Play();
+        Debug.Log($"{mesh.vertexCount} {source.clip.name} {source.clip.samples} {source.isPlaying}");
+    }
+
     private void Update() { wrist.Rotate(0, 1, 0); elbow.position = wrist.position; }
     public void Stop() { Application.Quit(); }
 }
@@ -278,7 +290,7 @@ def test_a_scripts_ui_and_what_its_inspector_names(play, start, tmp_path):
     words = [*ui.split(), "--Panel.wrist", "Wrist", *clicks.split()]
     # A second object, and a component that is there.
     code, lines = play("Panel.cs", *words, "--elbow", "Panel", folder=tmp_path)
-    said = [f"Point20 2 {tmp_path} False", "True 3x1 0", "True False", "read 9 0"]
+    said = ["3 beep 2 True", f"Point20 2 {tmp_path} False", "True 3x1 0", "True False", "read 9 0"]
     said += ["[Volume] 0.5", "[Status] volume 0.5", "[Word] Ada", "[Status] sent Ada"]
     nobody = "--click Nobody: no button, toggle, slider or input field has this name, and no script such a method"
     assert code == 1 and sorted(lines) == sorted([*said, nobody])

@@ -346,10 +346,15 @@ def test_one_object_may_have_several_agents(start, checks, make):
     assert env.step({"agent_0": 1})[0] == {"agent_0": [3]}
 
 
-def test_a_second_gym_manager_is_named(start, checks):
-    """With each hello it takes the agents' rows from the first one: Python loses them."""
-    program = start("dotnet", checks, "scene", "Twins", steady_endpoint(), "twice")
-    program.wait_for("^trouble: scene and second have a GymManager each: remove one$")
+def test_a_second_gym_manager_is_named_and_does_nothing(start, checks, make):
+    """With a hello of its own it would take the agents' rows from the first one: Python would lose them."""
+    endpoint = steady_endpoint()
+    program = start("dotnet", checks, "scene", "Twins", endpoint, "twice")
+    program.wait_for(r"^gave up: scene and scene\(Clone\) have a GymManager each: remove one$")
+    env = make(UnityParallelEnv, "Twins", endpoint=endpoint)
+    env.reset()
+    assert env.step({"agent_0": 1, "agent_1": 2})[1] == {"agent_0": 1, "agent_1": 2}
+    assert program.lines.count(f"asking {endpoint}") == 1
 
 
 def test_what_agents_are_called(at_work):

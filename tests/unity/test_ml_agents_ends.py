@@ -89,6 +89,11 @@ def test_a_model_without_python_is_told_in_a_line(alone):
     assert "A act 2" in lines and output.count("model does not run") == 1
 
 
+def test_a_model_for_one_that_was_never_enabled(alone):
+    lines, _ = alone("A period=1", "B period=1 active=no behavior=Cube", "A act 1: B>model, B>on", "steps=3")
+    assert "B init" in lines and not any("threw" in line for line in lines), lines
+
+
 def test_an_end_takes_back_what_was_asked_for(world):
     """Between steps A asks and then ends: it is not observed in the next step, and does not act."""
     run = world("A", "B period=2", "A physics 1: ask", "A physics 3: ask, end, add 1")

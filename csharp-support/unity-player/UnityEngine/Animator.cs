@@ -16,6 +16,8 @@ namespace UnityEngine
         internal Dictionary<HumanBodyBones, Transform> Bones { get; } = new Dictionary<HumanBodyBones, Transform>();
         private readonly Dictionary<int, float> parameters = new Dictionary<int, float>();
         public bool isHuman => Bones.Count > 0;
+        public void Play(string stateName) => MainThread.Only(nameof(Play));
+        public void Play(string stateName, int layer) => Play(stateName);
         public static int StringToHash(string name) => name.GetHashCode();
         public void SetTrigger(string name) => SetTrigger(StringToHash(name));
         public void SetTrigger(int id) => SetFloat(id, 1);

@@ -1,4 +1,4 @@
-// Scripts set lines, faces and lights, which the player's cameras do not draw.
+// Scripts set lines, faces, meshes and lights, which the player's cameras do not draw, and sounds, which nobody hears.
 using System;
 using System.Collections.Generic;
 
@@ -45,5 +45,51 @@ namespace UnityEngine
     {
         public float intensity { get; set; } = 1;
         public Color color { get; set; } = Color.white;
+    }
+
+    public sealed class Mesh : Object
+    {
+        public Vector3[] vertices { get; set; } = new Vector3[0];
+        public Vector3[] normals { get; set; } = new Vector3[0];
+        public Vector2[] uv { get; set; } = new Vector2[0];
+        public int[] triangles { get; set; } = new int[0];
+        public int vertexCount => vertices.Length;
+        public void Clear() => (vertices, normals, uv, triangles) = (new Vector3[0], normals, uv, new int[0]);
+        public void RecalculateNormals() => MainThread.Only(nameof(RecalculateNormals));
+        public void RecalculateBounds() => MainThread.Only(nameof(RecalculateBounds));
+    }
+
+    public sealed class MeshFilter : Component
+    {
+        public Mesh mesh { get; set; } = new Mesh();
+    }
+
+    public sealed class AudioClip : Object
+    {
+        private AudioClip() { }
+        public int samples { get; private set; }
+        public static AudioClip Create(string name, int lengthSamples, int channels, int frequency, bool stream) =>
+            new AudioClip { name = name, samples = lengthSamples };
+    }
+
+    // What it plays never ends by itself.
+    public sealed class AudioSource : Behaviour
+    {
+        public AudioClip clip { get; set; }
+        public float volume { get; set; } = 1;
+        public float pitch { get; set; } = 1;
+        public bool loop { get; set; }
+        public bool isPlaying { get; private set; }
+        public void Play() => isPlaying = MainThread.Of(nameof(Play), clip != null);
+        public void PlayOneShot(AudioClip clip) => MainThread.Only(nameof(PlayOneShot));
+        public void Stop() => isPlaying = false;
+    }
+
+    public sealed class Gizmos
+    {
+        public static Color color { get; set; } = Color.white;
+        public static void DrawLine(Vector3 from, Vector3 to) { }
+        public static void DrawRay(Vector3 from, Vector3 direction) { }
+        public static void DrawWireSphere(Vector3 center, float radius) { }
     }
 }

@@ -334,20 +334,19 @@ namespace NetMQExample.Tests
             for (var i = 0; i < 5; i++) client.Request("hello", Throw, Throw);
             Until(() =>
             {
-                try
-                {
-                    client.Poll();
-                }
-                catch (FormatException)
-                {
-                    thrown++;
-                }
+                try { client.Poll(); }
+                catch (FormatException) { thrown++; }
                 return thrown == 5;
             });
             Equal(5, ran);
             for (var i = 0; i < 5; i++) client.Request("hello", Throw, Throw);
             Throws<FormatException>(client.Dispose);
             Equal(10, ran);
+            // More than a stack has room for.
+            var many = new BackgroundClient(endpoint, capacity: 20_000);
+            while (many.Request("hello", Throw, Throw)) { }
+            Throws<FormatException>(many.Dispose);
+            Equal(20_010, ran);
         }
 
         // Callbacks that ask, poll and dispose.
@@ -406,6 +405,7 @@ namespace NetMQExample.Tests
             {
                 if (++ended > 4) return;
                 Equal(ClientState.Connected, client.State);
+                Equal("", client.LastError);
                 Check(client.RoundTripTime > TimeSpan.Zero && client.RoundTripTime < Limit,
                     $"round trip {client.RoundTripTime}");
             }

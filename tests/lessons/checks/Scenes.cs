@@ -63,9 +63,10 @@ namespace NetMQExample.Tests
                     var manager = new MonoBehaviour[] { thing.AddComponent<GymManager>() };
                     Inspector.Set(manager, "endpoint", endpoint);
                     Inspector.Set(manager, "envName", name);
+                    var second = how.Length > 0 ? UnityEngine.Object.Instantiate(thing) : null;
                     for (var i = 0; i < 2 && name == "Twins"; i++) thing.AddComponent<Twin>();
                     thing.SetActive(true);
-                    if (how.Length > 0) new GameObject("second").AddComponent<GymManager>();
+                    if (second != null) second.SetActive(true);
                     if (name == "Twins") return;
                     foreach (var bot in new[] { "leader", "stays", "ends", "ends_off", "off", "led", "destroyed",
                         "respawned", "replaced" })
@@ -157,7 +158,6 @@ namespace NetMQExample.Tests
     internal sealed class Referee : MonoBehaviour
     {
         private void OnEnable() => GymEnv.OnInfo += Hear;
-
         private void OnDisable() => GymEnv.OnInfo -= Hear;
 
         private static void Hear(object info)
@@ -213,10 +213,6 @@ namespace NetMQExample.Tests
             if (Newest["destroyed"].dying) Spawn("destroyed");
         }
 
-        public override void OnAction(object action)
-        {
-        }
-
         public override void OnTick(double dt)
         {
             AddReward(1);
@@ -238,10 +234,6 @@ namespace NetMQExample.Tests
 
         public override void OnReset() => ticks = 0;
 
-        public override void OnAction(object action)
-        {
-        }
-
         public override void OnTick(double dt)
         {
             AddReward(0.5);
@@ -254,11 +246,8 @@ namespace NetMQExample.Tests
         private double sum;
 
         public override GymSpace Observation { get; } = GymSpace.Box(0, 9, 1);
-
         public override GymSpace Action { get; } = GymSpace.Discrete(3);
-
         public override void OnReset() => sum = 0;
-
         public override void OnAction(SpaceReader action) => sum += action[0];
 
         public override void OnStepped()
@@ -278,33 +267,14 @@ namespace NetMQExample.Tests
     internal sealed class Speeder : Agent
     {
         [Box(".speed[")] private readonly float speed = 1;
-
-        public override void OnReset()
-        {
-        }
-
-        public override void OnAction(object action)
-        {
-        }
     }
 
     internal abstract class Animal : Agent
     {
-        private void FixedUpdate()
-        {
-        }
+        private void FixedUpdate() { }
     }
 
-    internal sealed class Clocked : Animal
-    {
-        public override void OnReset()
-        {
-        }
-
-        public override void OnAction(object action)
-        {
-        }
-    }
+    internal sealed class Clocked : Animal { }
 
     internal sealed class OwnChannels : SideChannelBehaviour
     {

@@ -44,6 +44,7 @@ namespace NetMQExample.Tests
             Frames();
             Forgets();
             Ends();
+            Reports();
             Console.WriteLine("ok");
             return 0;
         }
@@ -143,6 +144,15 @@ namespace NetMQExample.Tests
                 while (client.TryReceiveFrameString(out var frame)) replies.Add(frame);
             }
             Check(string.Join(",", replies) == "anne,,1,1003,bert,,1,1004", string.Join(",", replies));
+        }
+
+        // A report that throws itself ends nothing.
+        private static void Reports()
+        {
+            using var server = new Server(
+                text => throw new FormatException(text), report: line => throw new InvalidOperationException(line));
+            using var client = new DealerSocket(">" + server.Endpoint);
+            Check(Asked(client, server, "hi") == "error: FormatException: hi", "another reply");
         }
 
         // Its own answer disposes it, as a script does that switches itself off.

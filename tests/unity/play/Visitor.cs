@@ -10,6 +10,8 @@ namespace NetMQExample.PlayTest
         private Transform eyes;
         private int frames, asked;
 
+        private void Start() => Ended += text => Debug.Log($"ended {text}");
+
         protected override void Update()
         {
             if (eyes == null)

@@ -15,6 +15,7 @@
 using System;
 using System.Collections.Concurrent;
 using System.Collections.Generic;
+using System.Runtime.ExceptionServices;
 using System.Threading;
 using Stopwatch = System.Diagnostics.Stopwatch;
 
@@ -51,7 +52,7 @@ namespace NetMQExample
         private readonly int capacity;
         private readonly string endpoint;
         private readonly Thread thread;
-        private (ClientState state, string error) status = (ClientState.Connecting, "");
+        private (ClientState state, string trouble) status = (ClientState.Connecting, "");
         private TimeSpan roundTrip;
         private int replies;
         private bool polled;
@@ -76,14 +77,21 @@ namespace NetMQExample
             thread.Start();
         }
 
-        /// <summary>State and LastError of one moment. This and what follows can be read at any time.</summary>
-        public (ClientState State, string LastError) Status { get { lock (gate) return status; } }
+        /// <summary>Of one moment: the state, and why the last try that had no reply had none, which stays for a log.
+        /// This and what follows can be read at any time.</summary>
+        public (ClientState State, string Trouble) Status { get { lock (gate) return status; } }
 
         public ClientState State => Status.State;
 
-        /// <summary>Why the last try or request that had no reply had none, also after others that had one; or an
-        /// empty text.</summary>
-        public string LastError => Status.LastError;
+        /// <summary>Why there is no reply now; an empty text while it is connected.</summary>
+        public string LastError
+        {
+            get
+            {
+                var (state, trouble) = Status;
+                return state == ClientState.Connected ? "" : trouble;
+            }
+        }
 
         /// <summary>How long the last reply took to come, with all its tries, or zero.</summary>
         public TimeSpan RoundTripTime { get { lock (gate) return roundTrip; } }
@@ -139,14 +147,17 @@ namespace NetMQExample
             lock (gate)
             {
                 var why = "the client was disposed";
-                if (status.state == ClientState.Retrying) why += $"; {status.error}";
+                if (status.state == ClientState.Retrying) why += $"; {status.trouble}";
                 status.state = ClientState.Disposed;
                 while (waiting.TryDequeue(out var call))
                     done.Enqueue((call.error, why, new ObjectDisposedException(null, why)));
             }
-            try { Poll(); }
-            // After one that throws, the others run all the same.
-            finally { if (!done.IsEmpty) Dispose(); }
+            Exception mistake = null;
+            while (!done.IsEmpty)
+                // After one that throws, the others run all the same.
+                try { Poll(); }
+                catch (Exception e) { mistake ??= e; }
+            if (mistake != null) ExceptionDispatchInfo.Capture(mistake).Throw();
         }
 
         // From here on: the network thread. The requester is made, used and disposed here.

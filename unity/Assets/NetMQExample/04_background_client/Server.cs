@@ -203,7 +203,8 @@ namespace NetMQExample
         {
             unreported++;
             if (reported.IsRunning && reported.ElapsedMilliseconds < 1000) return;
-            report($"{this}: answer threw {e}" + (unreported > 1 ? $" (and {unreported - 1} more)" : ""));
+            try { report($"{this}: answer threw {e}" + (unreported > 1 ? $" (and {unreported - 1} more)" : "")); }
+            catch (Exception) { /* There is nobody else to tell. */ }
             reported.Restart();
             unreported = 0;
         }

@@ -20,9 +20,8 @@ namespace NetMQExample
             this.simulator = simulator;
             this.dt = dt;
             this.heuristic = heuristic;
+            Debug.Log("by hand: Heuristic plays, without Python; each episode's return follows");
         }
-
-        public void Begin() => Debug.Log("by hand: Heuristic plays, without Python; each episode's return follows");
 
         public void Tick(double seconds)
         {

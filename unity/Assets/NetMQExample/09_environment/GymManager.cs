@@ -55,7 +55,7 @@ namespace NetMQExample
         protected override void Begin()
         {
             if (Current != null && Current != this)
-                Debug.LogWarning($"trouble: {Current.name} and {name} have a GymManager each: remove one");
+                throw new ArgumentException($"{Current.name} and {name} have a GymManager each: remove one");
             Current = this;
             var before = SceneChange.Take(endpoint, EnvName);
             if (!(before is null) && GoOnWith(before))
@@ -81,7 +81,6 @@ namespace NetMQExample
             GymEnv.Simulator = Simulator;
             played = byHand ? new ByHand(Simulator, Dt, Heuristic) : null;
             Enter();
-            played?.Begin();
         }
 
         /// <summary>A connection begins; a scene that is loaded while Python steps goes on with the last.</summary>
@@ -91,7 +90,9 @@ namespace NetMQExample
 
         protected override void OnDisable()
         {
-            if (Current == this) Current = null;
+            // A second one has begun nothing.
+            if (Current != this) return;
+            Current = null;
             var changes = !Ending && (Simulator.Loading || SceneChange.Loads());
             if (changes) SceneChange.Leave(this, endpoint, EnvName, Leave);
             else Leave();

@@ -23,21 +23,28 @@ namespace NetMQExample
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait for a word of the job")] private float timeout = 1;
         [SerializeField, Min(1), Tooltip("How often to connect anew")] private int tries = 5;
         [SerializeField, Tooltip("With each sentence")] private Arrival<string> said = new();
+        [SerializeField, Tooltip("With all that it has said, at its end")] private Arrival<string> ended = new();
 
         private volatile bool near;
         private volatile string text = "";
         private volatile JobClient client;
+        // Whether it has said so.
+        private bool over;
 
         /// <summary>All that was said so far, for a bubble of your own.</summary>
         public string Text => text;
 
         public event Action<string> Said { add => said.Raised += value; remove => said.Raised -= value; }
 
+        /// <summary>At the end of what it says, however that came, with all of it; but not where another Ask, or who
+        /// disables it, breaks it off. LastError says what went wrong.</summary>
+        public event Action<string> Ended { add => ended.Raised += value; remove => ended.Raised -= value; }
+
         /// <summary>Says something else to it, at once; what it is saying breaks off.</summary>
         public void Ask(string words)
         {
             enabled = false;
-            (prompt, text) = (words, "");
+            (prompt, text, over) = (words, "", false);
             enabled = true;
         }
 
@@ -50,6 +57,9 @@ namespace NetMQExample
         protected override void Update()
         {
             base.Update();
+            var ends = Done && !over;
+            over = Done;
+            if (ends) ended.Raise(text);
             if (player == null && Camera.main != null) player = Camera.main.transform;
             near = player == null || Vector3.Distance(player.position, transform.position) <= earshot;
             if (!near) WalkAway();

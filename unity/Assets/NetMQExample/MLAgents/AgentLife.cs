@@ -35,7 +35,7 @@ namespace NetMQExample.MLAgents
 
         public AgentOfOld Old { get; }
         public string Name => agent.name;
-        public BehaviorParameters Parameters { get; private set; }
+        public BehaviorParameters Parameters => agent.GetComponent<BehaviorParameters>();
 
         /// <summary>From OnEnable to OnDisable.</summary>
         public int Id { get; private set; }
@@ -73,7 +73,6 @@ namespace NetMQExample.MLAgents
         public void Begin()
         {
             if (lives) return;
-            Parameters = agent.GetComponent<BehaviorParameters>();
             Spec = Parameters.BrainParameters.ActionSpec;
             Spec.Check(Name);
             Branches = Spec.BranchSizes ?? Array.Empty<int>();
