@@ -1,4 +1,4 @@
-// Every contender of the lab can send its payload, and wait until the server's answer is there.
+// Every contender of the lab sends its payload, and waits until the server's answer is there.
 //
 // A server of the lab answers with the same bytes, or, if the first byte is 3, with the first 200, which is about what
 // an action of lesson 08 takes.
@@ -9,68 +9,62 @@ using System.Globalization;
 
 namespace NetMQExample.Lab
 {
-    internal abstract class Contender : IDisposable
+    internal sealed class Contender : IDisposable
     {
         public const byte Answer = 1, Short = 3;
+        public static readonly TimeSpan Limit = TimeSpan.FromSeconds(20);
+        private readonly IDisposable client;
+        private readonly Action exchange;
+        private readonly int messages;
 
-        // Where curve_server.py makes them; the lab's programs run in the kit's folder.
-        private const string Keys = ".build/lab_keys";
-
-        protected static readonly TimeSpan Timeout = TimeSpan.FromSeconds(20);
-
-        protected Contender(int size)
-        {
-            Payload = new byte[size];
-            Payload[0] = Answer;
-        }
-
-        public byte[] Payload { get; }
-
-        public abstract void Send();
-
-        public abstract void Receive();
-
-        public abstract void Dispose();
-
-        /// <summary>One round trip, or of those with many in flight a thousand.</summary>
-        /// <returns>How many messages were answered.</returns>
-        public virtual int Echo(List<double> waits)
-        {
-            var start = Stopwatch.GetTimestamp();
-            Send();
-            Receive();
-            waits.Add((Stopwatch.GetTimestamp() - start) * 1e6 / Stopwatch.Frequency);
-            return 1;
-        }
+        /// <summary>A client, one round trip of it, and how many messages are answered in that.</summary>
+        public Contender(IDisposable client, Action exchange, int messages = 1) =>
+            (this.client, this.exchange, this.messages) = (client, exchange, messages);
 
         public static Contender Make(string name, string endpoint, int size)
         {
             // many@64 has 64 in flight, bare@200 expects 200 bytes.
             var parts = name.Split('@');
             var number = parts.Length > 1 ? int.Parse(parts[1], CultureInfo.InvariantCulture) : 0;
-            switch (parts[0])
+            var payload = new byte[size];
+            payload[0] = Answer;
+            // The servers of lessons 01 to 04 take blanks after Hello, and answer World.
+            var text = "Hello".PadRight(size);
+            return parts[0] switch
             {
-                case "tcp": return new Tcp(endpoint, size);
-                case "json": return new JsonLines(endpoint, size);
-                case "http": return new Http(endpoint, size);
-                case "websocket": return new WebSockets(endpoint, size);
-                case "hello": return new Hello(endpoint, size);
-                case "pirate": return new Pirate(endpoint, size);
-                case "background": return new Background(endpoint, size);
-                case "busy": return new BusyWait(endpoint, size);
-                case "naive": return new Messages(endpoint, size, false);
-                case "pooled": return new Messages(endpoint, size, true);
-                case "many": return new Many(endpoint, size, number);
-                case "bare": return new Bare(endpoint, size, number > 0 ? number : size);
-                case "curve": return new Bare(endpoint, size, size, new ClientKeys(Keys));
-                case "steer": return new Steer(endpoint, size);
-                default: throw new ArgumentException($"no contender {name}");
-            }
+                "tcp" => Plain.Tcp(endpoint, payload),
+                "json" => Plain.JsonLines(endpoint, payload),
+                "http" => Plain.Http(endpoint, payload),
+                "websocket" => Plain.WebSocket(endpoint, payload),
+                "hello" => Kit.Hello(endpoint, text),
+                "pirate" => Kit.Pirate(endpoint, text),
+                "background" => Kit.Background(endpoint, text),
+                "busy" => Kit.BusyWait(endpoint, text),
+                "naive" => Kit.Messages(endpoint, payload, false),
+                "pooled" => Kit.Messages(endpoint, payload, true),
+                "many" => Kit.Many(endpoint, size, number),
+                "bare" => Kit.Bare(endpoint, payload, number > 0 ? number : size),
+                "curve" => Kit.Bare(endpoint, payload, size, new ClientKeys(Kit.Keys)),
+                "steer" => Kit.Steer(endpoint, size),
+                _ => throw new ArgumentException($"no contender {name}"),
+            };
         }
 
-        protected static void Check(bool same)
+        public static void Check(bool same)
         {
             if (!same) throw new InvalidOperationException("the answer is not the one that was expected");
         }
+
+        /// <summary>One round trip, whose time is added, unless it has many in flight.</summary>
+        /// <returns>How many messages were answered.</returns>
+        public int Echo(List<double> waits)
+        {
+            var start = Stopwatch.GetTimestamp();
+            exchange();
+            if (messages == 1) waits.Add((Stopwatch.GetTimestamp() - start) * 1e6 / Stopwatch.Frequency);
+            return messages;
+        }
+
+        public void Dispose() => client.Dispose();
     }
 }

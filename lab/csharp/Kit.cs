@@ -1,219 +1,117 @@
 // The kit's own clients as contenders, each with its lesson's server, and NetMQ without any of them.
 using System;
-using System.Collections.Generic;
 using System.Linq;
 using System.Threading;
 using NetMQ;
 using NetMQ.Sockets;
+using static NetMQExample.Lab.Contender;
 
 namespace NetMQExample.Lab
 {
-    /// <summary>Lesson 01. Its server takes blanks after Hello, and answers World.</summary>
-    internal sealed class Hello : Contender
+    internal static class Kit
     {
-        private readonly HelloRequester requester;
-        private readonly string text;
+        // Where curve_server.py makes them; the lab's programs run in the kit's folder.
+        public const string Keys = ".build/lab_keys";
 
-        public Hello(string endpoint, int size) : base(size)
+        // Lesson 01.
+        public static Contender Hello(string endpoint, string text)
         {
-            requester = new HelloRequester(endpoint);
-            text = "Hello".PadRight(size);
+            var requester = new HelloRequester(endpoint);
+            return new Contender(requester, () => Check(requester.Request(text, Limit) == "World"));
         }
 
-        public override void Send() => requester.Send(text, Timeout);
-
-        public override void Receive() => Check(requester.Receive(Timeout) == "World");
-
-        public override void Dispose() => requester.Dispose();
-    }
-
-    /// <summary>Lesson 02, with a server that keeps no journal.</summary>
-    internal sealed class Pirate : Contender
-    {
-        private readonly LazyPirateRequester requester;
-        private readonly string text;
-        private string reply;
-
-        public Pirate(string endpoint, int size) : base(size)
+        // Lesson 02, with a server that keeps no journal.
+        public static Contender Pirate(string endpoint, string text)
         {
-            requester = new LazyPirateRequester(endpoint);
-            text = "Hello".PadRight(size);
+            var requester = new LazyPirateRequester(endpoint);
+            return new Contender(requester, () => Check(requester.Request(text) == "World"));
         }
 
-        public override void Send() => reply = requester.Request(text);
-
-        // It was there before Send returned.
-        public override void Receive() => Check(reply == "World");
-
-        public override void Dispose() => requester.Dispose();
-    }
-
-    /// <summary>Lesson 04. In place of Unity's frames it polls whenever nothing else wants the processor.</summary>
-    internal sealed class Background : Contender
-    {
-        private readonly BackgroundClient client;
-        private readonly string text;
-        private readonly Action<string> onReply, onError;
-        private string reply;
-
-        public Background(string endpoint, int size) : base(size)
+        // Lesson 04. In place of Unity's frames it polls whenever nothing else wants the processor.
+        public static Contender Background(string endpoint, string text)
         {
-            client = new BackgroundClient(endpoint);
-            text = "Hello".PadRight(size);
-            onReply = given => reply = given;
-            onError = why => throw new InvalidOperationException(why);
+            var client = new BackgroundClient(endpoint);
+            string reply = null;
+            // Made once: at the call they would be new objects for each request.
+            Action<string> onReply = given => reply = given;
+            Action<string> onError = why => throw new InvalidOperationException(why);
+            return new Contender(client, () =>
+            {
+                reply = null;
+                Check(client.Request(text, onReply, onError));
+                for (client.Poll(); reply == null; client.Poll()) Thread.Yield();
+                Check(reply == "World");
+            });
         }
 
-        public override void Send()
+        // Asks without waiting whether the reply is there, again and again, as a well-known example does.
+        public static Contender BusyWait(string endpoint, string text)
         {
-            reply = null;
-            Check(client.Request(text, onReply, onError));
-        }
-
-        public override void Receive()
-        {
-            for (client.Poll(); reply == null; client.Poll()) Thread.Yield();
-            Check(reply == "World");
-        }
-
-        public override void Dispose() => client.Dispose();
-    }
-
-    /// <summary>Asks without waiting whether the reply is there, again and again, as a well-known example
-    /// does.</summary>
-    internal sealed class BusyWait : Contender
-    {
-        private readonly RequestSocket socket = new RequestSocket();
-        private readonly string text;
-
-        public BusyWait(string endpoint, int size) : base(size)
-        {
-            text = "Hello".PadRight(size);
+            var socket = new RequestSocket();
             socket.Connect(endpoint);
+            return new Contender(socket, () =>
+            {
+                socket.SendFrame(text);
+                string reply;
+                while (!socket.TryReceiveFrameString(out reply)) { }
+                Check(reply == "World");
+            });
         }
 
-        public override void Send() => socket.SendFrame(text);
-
-        public override void Receive()
+        // Lesson 05 with new arrays for each message, or with lesson 08's buffers that are used again.
+        public static Contender Messages(string endpoint, byte[] payload, bool pooled)
         {
-            string reply;
-            while (!socket.TryReceiveFrameString(out reply)) { }
-            Check(reply == "World");
+            var requester = pooled ? new PooledRequester(endpoint) : new MessageRequester(endpoint);
+            var request = new Message("echo", 1);
+            request.Arrays.Add(new MessageArray("uint8", payload, payload.Length));
+            return new Contender(requester, () =>
+            {
+                // The pool is for all sockets of the process.
+                if (pooled) PooledBuffers.Use();
+                else BufferPool.SetGCBufferPool();
+                Check(requester.Request(request, Limit).Arrays[0].Data.Length == payload.Length);
+            });
         }
 
-        public override void Dispose() => socket.Dispose();
-    }
-
-    /// <summary>Lesson 05 with new arrays for each message, or with lesson 08's buffers that are used again.</summary>
-    internal sealed class Messages : Contender
-    {
-        private readonly MessageRequester requester;
-        private readonly Message request = new Message("echo", 1);
-        private readonly bool pooled;
-        private Message reply;
-
-        public Messages(string endpoint, int size, bool pooled) : base(size)
+        // Lesson 08: a picture of 240 rows, and an action back.
+        public static Contender Steer(string endpoint, int size)
         {
-            this.pooled = pooled;
-            request.Arrays.Add(new MessageArray("uint8", Payload, size));
-            requester = pooled ? new PooledRequester(endpoint) : new MessageRequester(endpoint);
+            var driver = new DriverClient(endpoint, Limit, 1, why => throw new TimeoutException(why));
+            var pictures = new CameraPictures("center", size / 720, 240, 3);
+            return new Contender(driver, () => Check(driver.Ask(pictures.ToMessage()) != null));
         }
 
-        public override void Send()
+        // Lesson 06 with a number of requests in flight.
+        public static Contender Many(string endpoint, int size, int window)
         {
-            // The pool is for all sockets of the process.
-            if (pooled) PooledBuffers.Use();
-            else BufferPool.SetGCBufferPool();
-            reply = requester.Request(request, Timeout);
+            var requester = new ManyRequester(endpoint, window, Limit);
+            var text = "echo ".PadRight(size, 'x');
+            var batch = 20 * window + 100;
+            return new Contender(requester, () => Check(requester.RequestMany(Enumerable.Repeat(text, batch))
+                .All(answer => answer.Reply.Length == text.Length - 5)), batch);
         }
 
-        public override void Receive() => Check(reply.Arrays[0].Data.Length == Payload.Length);
-
-        public override void Dispose() => requester.Dispose();
-    }
-
-    /// <summary>Lesson 08: a picture of 240 rows, and an action back.</summary>
-    internal sealed class Steer : Contender
-    {
-        private readonly DriverClient driver;
-        private readonly CameraPictures pictures;
-
-        public Steer(string endpoint, int size) : base(size)
+        // NetMQ and nothing else: one frame each way over a DEALER, with lesson 08's pool. ZeroMQ's own limit.
+        public static Contender Bare(string endpoint, byte[] payload, int answer, ClientKeys keys = null)
         {
-            driver = new DriverClient(endpoint, Timeout, 1, why => throw new TimeoutException(why));
-            pictures = new CameraPictures("center", size / 720, 240, 3);
-        }
-
-        public override void Send() => Check(driver.Ask(pictures.ToMessage()) != null);
-
-        // It was there before Send returned.
-        public override void Receive() { }
-
-        public override void Dispose() => driver.Dispose();
-    }
-
-    /// <summary>Lesson 06 with a number of requests in flight.</summary>
-    internal sealed class Many : Contender
-    {
-        private readonly ManyRequester requester;
-        private readonly string text;
-        private readonly int batch;
-
-        public Many(string endpoint, int size, int window) : base(size)
-        {
-            requester = new ManyRequester(endpoint, window, Timeout);
-            text = "echo ".PadRight(size, 'x');
-            batch = 20 * window + 100;
-        }
-
-        public override int Echo(List<double> waits)
-        {
-            Check(requester.RequestMany(Enumerable.Repeat(text, batch))
-                .All(answer => answer.Reply.Length == text.Length - 5));
-            return batch;
-        }
-
-        public override void Send() => throw new NotSupportedException();
-
-        public override void Receive() => throw new NotSupportedException();
-
-        public override void Dispose() => requester.Dispose();
-    }
-
-    /// <summary>NetMQ and nothing else: one frame each way over a DEALER, with lesson 08's pool. ZeroMQ's own
-    /// limit.</summary>
-    internal sealed class Bare : Contender
-    {
-        private readonly DealerSocket socket = new DealerSocket();
-        private readonly int answer;
-        private Msg incoming = new Msg();
-
-        public Bare(string endpoint, int size, int answer, ClientKeys keys = null) : base(size)
-        {
-            this.answer = answer;
-            if (answer < size) Payload[0] = Short;
-            incoming.InitEmpty();
+            var socket = new DealerSocket();
+            if (answer < payload.Length) payload[0] = Short;
             socket.Options.Linger = TimeSpan.Zero;
             keys?.Apply(socket);
             socket.Connect(endpoint);
+            var incoming = new Msg();
+            incoming.InitEmpty();
+            return new Contender(socket, () =>
+            {
+                PooledBuffers.Use();
+                var msg = new Msg();
+                // Lent: the answer proves that NetMQ is done with it.
+                msg.InitGC(payload, payload.Length);
+                if (!socket.TrySend(ref msg, Limit, false)) throw new TimeoutException("the server takes no more");
+                msg.Close();
+                if (!socket.TryReceive(ref incoming, Limit)) throw new TimeoutException("no reply");
+                Check(incoming.Size == answer);
+            });
         }
-
-        public override void Send()
-        {
-            PooledBuffers.Use();
-            var msg = new Msg();
-            // Lent: the answer proves that NetMQ is done with it.
-            msg.InitGC(Payload, Payload.Length);
-            if (!socket.TrySend(ref msg, Timeout, false)) throw new TimeoutException("the server takes no more");
-            msg.Close();
-        }
-
-        public override void Receive()
-        {
-            if (!socket.TryReceive(ref incoming, Timeout)) throw new TimeoutException("no reply");
-            Check(incoming.Size == answer);
-        }
-
-        public override void Dispose() => socket.Dispose();
     }
 }

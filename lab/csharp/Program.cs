@@ -40,10 +40,7 @@ namespace NetMQExample.Lab
             using var lifetime = new NetMQLifetime();
             for (var line = Console.ReadLine(); line != null; line = Console.ReadLine())
             {
-                try
-                {
-                    Console.WriteLine(Answer(line.Split(' ')));
-                }
+                try { Console.WriteLine(Answer(line.Split(' '))); }
                 catch (Exception e)
                 {
                     Console.WriteLine($"failed: {line}: {e.GetType().Name}: {e.Message.Split('\n')[0]}");

@@ -15,9 +15,7 @@ namespace NetMQExample.Lab
         }
 
         public override GymSpace Observation { get; }
-
         public override GymSpace Action { get; } = GymSpace.Discrete(2);
-
         public override void Observe(SpaceWriter seen) => seen.Add(picture);
 
         /// <summary>Takes steps until the environment closes it.</summary>
