@@ -32,14 +32,8 @@ namespace NetMQExample.Terminal
         private static void ShowRefusal(HelloRequester requester, string text, TimeSpan timeout)
         {
             requester.Send(text, timeout);
-            try
-            {
-                requester.Send(text, timeout);
-            }
-            catch (FiniteStateMachineException e)
-            {
-                Console.WriteLine($"refused: {e.GetType().Name}: {e.Message}");
-            }
+            try { requester.Send(text, timeout); }
+            catch (FiniteStateMachineException e) { Console.WriteLine($"refused: {e.GetType().Name}: {e.Message}"); }
             var reply = LogText.Printable(requester.Receive(timeout));
             Console.WriteLine($"received {reply}: now REQ may send again");
         }

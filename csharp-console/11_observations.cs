@@ -17,7 +17,7 @@ namespace NetMQExample.Terminal
         {
             if (arguments.Has("locator"))
             {
-                Locators.Print(arguments);
+                PrintLocator(arguments);
                 return;
             }
             var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5559");
@@ -33,6 +33,19 @@ namespace NetMQExample.Terminal
             Console.WriteLine($"asking {endpoint}");
             client.Run(simulator, count, answer => answer());
             Console.WriteLine($"done: {simulator.Episodes} episodes, {simulator.Steps} steps");
+        }
+
+        private static void PrintLocator(Arguments arguments)
+        {
+            var text = arguments.Text("locator", "");
+            var given = arguments.Has("scope");
+            var scope = arguments.Text("scope", "");
+            var name = arguments.Text("name", "");
+            arguments.RefuseTheRest();
+            Locator? outer = null;
+            try { if (given) outer = Locator.Parse(scope); }
+            catch (LocatorException e) { throw new UsageException($"scope, {e.Message}"); }
+            Console.WriteLine(Locator.Parse(text, name, outer));
         }
     }
 }

@@ -9,7 +9,6 @@ namespace NetMQExample.Terminal
     {
         private const int Width = 30;
         private const string Erase = "\x1b[K";
-
         private JobNews? before;
 
         public void Show(JobNews news)

@@ -18,14 +18,8 @@ namespace UnityPlayer
         {
             // Only what is there now: a continuation that posts itself again waits for the next frame.
             for (var left = queue.Count; left > 0 && queue.TryDequeue(out var item); left--)
-                try
-                {
-                    item.Call(item.State);
-                }
-                catch (Exception e)
-                {
-                    Debug.LogException(e);
-                }
+                try { item.Call(item.State); }
+                catch (Exception e) { Debug.LogException(e); }
         }
     }
 }

@@ -9,9 +9,7 @@ namespace UnityPlayer
     {
         // In the first frames code is compiled and queues grow. Only the cost that goes on for hours counts.
         private const int WarmUp = 100;
-
         private static readonly bool Counted = CountsBytes();
-
         private readonly double[] milliseconds;
         private int frame = -WarmUp, dirty;
         private long allocatedBefore, allocated, start;

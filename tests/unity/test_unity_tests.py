@@ -33,7 +33,7 @@ def test_they_pass(runner, start, tmp_path):
     assert [line for line in program.lines if line.startswith("FAILED")] == []
     assert code == 0, program.output
     passed = {line.split(" ", 1)[1] for line in program.lines if line.startswith("passed ")}
-    for test in ("BytesTests.AMessageComesBackAsItWasSent()", "HelloClientTests.GetsItsReplies(5)"):
+    for test in ("BytesTests.AMessageComesBackAsItWasSent()", "ClientsTests.GetsItsReplies(5)"):
         assert test in passed
     # The name of a client's own tests, or what those of all clients are told.
     replied = {re.sub(r"ClientsTests\.GetsItsFirstReply\((\w+)\)|Tests\..*", r"\1", name) for name in passed}

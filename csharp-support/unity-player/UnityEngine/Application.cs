@@ -28,9 +28,7 @@ namespace UnityEditor
         public delegate void CallbackFunction();
 
         public static event Action quitting;
-
         public static event Action<PlayModeStateChange> playModeStateChanged;
-
         private static bool playing;
 
         // Setting it presses the button: the Play ends with this frame.

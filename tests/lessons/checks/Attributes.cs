@@ -12,7 +12,6 @@ namespace NetMQExample.Tests
     internal sealed class CountedAttribute : ObsAttribute
     {
         public CountedAttribute() => Made++;
-
         public static int Made { get; private set; }
     }
 

@@ -35,10 +35,7 @@ namespace NetMQExample.Tests
                 var words = JsonConvert.DeserializeObject<string[]>(line);
                 (sent, received) = (0, 0);
                 object code;
-                try
-                {
-                    code = main.Invoke(null, new object[] { words.Where(word => word != "--seen").ToArray() });
-                }
+                try { code = main.Invoke(null, new object[] { words.Where(word => word != "--seen").ToArray() }); }
                 catch (TargetInvocationException e)
                 {
                     both.WriteLine($"Unhandled exception. {e.InnerException}");

@@ -33,10 +33,7 @@ namespace NetMQExample.Tests
                 var locator = Locator.Parse(text, name, scope == null ? null : Locator.Parse(scope));
                 return "ok " + Digits(locator.ToString());
             }
-            catch (LocatorException e)
-            {
-                return "error " + Digits(e.Message);
-            }
+            catch (LocatorException e) { return "error " + Digits(e.Message); }
         }
 
         private static string Read(string field) => field == "-" ? null : string.Concat(

@@ -21,7 +21,6 @@ public sealed class Looker : Agent
     }
 
     public override void OnReset() => Go(0);
-
     public override void OnAction(object action) => Go(steps + Convert.ToInt32(action));
 
     private void Go(int now)

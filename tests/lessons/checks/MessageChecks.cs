@@ -87,14 +87,8 @@ namespace NetMQExample.Tests
             using var requester = pooled ? new PooledRequester(endpoint) : new MessageRequester(endpoint);
             var echo = new Message("echo", 1);
             echo.Arrays.Add(new MessageArray("uint8", new byte[Picture], Picture));
-            try
-            {
-                requester.Request(new Message("frames", 5), Timeout);
-            }
-            catch (MessageException e)
-            {
-                Console.WriteLine($"{e.Id} {e.Message}");
-            }
+            try { requester.Request(new Message("frames", 5), Timeout); }
+            catch (MessageException e) { Console.WriteLine($"{e.Id} {e.Message}"); }
             Console.WriteLine($"{requester.Request(echo, Timeout).Arrays[0].Data.Length} bytes");
             if (!pooled) return;
             PooledBuffers.Use();

@@ -41,9 +41,7 @@ namespace NetMQExample.Tests
 
         private sealed class Nobody : PlainAgent
         {
-            public Nobody() : base("it's")
-            {
-            }
+            public Nobody() : base("it's") { }
         }
     }
 }

@@ -13,11 +13,8 @@ namespace NetMQExample.Tests
         public const double Dt = 0.5;
 
         public List<IAgent> Clerks { get; } = new();
-
         public Stack<Clerk> Away { get; } = new();
-
         public double Drawn { get; private set; }
-
         public Action<object> Note { get; private set; }
 
         public static void Run(string names, string atMost, string endpoint)
@@ -45,9 +42,7 @@ namespace NetMQExample.Tests
         }
 
         public void OnTick(double dt) => Note("office ticks");
-
         public void OnStepped() => Note("office stepped");
-
         public MessageArray Render() => null;
     }
 
@@ -82,9 +77,7 @@ namespace NetMQExample.Tests
         private Clerk foe;
 
         public Clerk(string name, Office office, int period = 1) : base(name, period) => this.office = office;
-
         public override GymSpace Observation => Seen;
-
         public override GymSpace Action => Words;
 
         public override void OnReset()

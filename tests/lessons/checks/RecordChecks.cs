@@ -72,14 +72,8 @@ namespace NetMQExample.Tests
             var request = new StepRequest();
             foreach (var digits in words.Skip(2))
             {
-                try
-                {
-                    request.Read(Hex.Bytes(digits));
-                }
-                catch (MessageException e)
-                {
-                    return $"error {e.Code}";
-                }
+                try { request.Read(Hex.Bytes(digits)); }
+                catch (MessageException e) { return $"error {e.Code}"; }
                 simulator.Answer(request);
             }
             return simulator.Reply == null
@@ -132,11 +126,8 @@ namespace NetMQExample.Tests
         private int steps;
 
         public Echo(GymSpace space) : base("echo") => Observation = space;
-
         public override GymSpace Observation { get; }
-
         public override GymSpace Action => Observation;
-
         public override void OnReset() => (said, numbers, steps) = (Options["say"], null, 0);
 
         public override void OnAction(SpaceReader action)
@@ -174,7 +165,6 @@ namespace NetMQExample.Tests
         private int steps;
 
         public Fields() : base("echo") { }
-
         public override void OnReset() => (says, steps) = ((string)Options.GetValueOrDefault("say") ?? "", 0);
 
         public override void OnAction(object action)

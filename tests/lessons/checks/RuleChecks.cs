@@ -191,10 +191,7 @@ namespace NetMQExample.Tests
         private static void Refused(string what, string name, object wrong, Action make)
         {
             var found = "accepted";
-            try
-            {
-                make();
-            }
+            try { make(); }
             catch (Exception e)
             {
                 var why = e is TargetInvocationException ? e.InnerException : e;

@@ -44,10 +44,7 @@ namespace NetMQExample.Tests
                     default: return Keep(int.Parse(words[1], CultureInfo.InvariantCulture));
                 }
             }
-            catch (UnityAgentsException e)
-            {
-                return $"error {e.Message}";
-            }
+            catch (UnityAgentsException e) { return $"error {e.Message}"; }
         }
 
         private static string Read(byte[] payload, IEnumerable<string> kinds)
@@ -204,9 +201,7 @@ namespace NetMQExample.Tests
         private double gravity;
 
         public override GymSpace Observation { get; } = GymSpace.Box(new[] { 0.0 }, new[] { 100.0 });
-
         public override GymSpace Action { get; } = GymSpace.Discrete(9);
-
         protected override int StateSize => 1;
 
         public override void OnReset() => gravity =

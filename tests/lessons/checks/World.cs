@@ -31,12 +31,10 @@ namespace NetMQExample.Tests
     internal sealed class Told : PlainAgent
     {
         private static readonly GymSpace Words = GymSpace.Text(40, 0, "abcdefghijklmnopqrstuvwxyz0123456789. ");
-
         private readonly bool sure;
         [Discrete] private int ticks;
 
         public Told(string name) : base(name) => sure = name.StartsWith("sure", StringComparison.Ordinal);
-
         public override GymSpace Action => sure ? Words : null;
 
         public override GymSpace Observation => !sure ? null : GymSpace.Dict(

@@ -123,7 +123,6 @@ namespace NetMQExample.PlayTest
 
         // As models have it, a bone's own axes are any: here each one is turned by another angle.
         private static Quaternion Own(HumanBodyBones bone) => Quaternion.Euler(20 * (int)bone, 35 * (int)bone, 10);
-
         private static Vector3 Forward(HumanBodyBones bone) => Quaternion.Inverse(Own(bone)) * Vector3.forward;
 
         private static Animator Character(Dictionary<HumanBodyBones, Transform> bones)

@@ -42,9 +42,7 @@ namespace NetMQExample.EditorTest
         private const BindingFlags Any = BindingFlags.Instance | BindingFlags.Static | BindingFlags.Public
             | BindingFlags.NonPublic;
         private static readonly Assembly Package = typeof(LessonServer).Assembly;
-
         private static readonly Stack<NetMQLifetime> Forgotten = new Stack<NetMQLifetime>();
-
         private static Player player;
         private static ClientInspector inspector;
         private static VisualElement drawn;

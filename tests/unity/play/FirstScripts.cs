@@ -32,9 +32,7 @@ namespace NetMQExample.PlayTest
 
         // How many frames pass until the next step is up to the clock; that nothing comes between them is not.
         private void FixedUpdate() => (steps, updatesAtStep) = (steps + 1, updates);
-
         private void Update() => updates++;
-
         private void LateUpdate() => lateUpdates++;
 
         private IEnumerator Start()

@@ -97,7 +97,6 @@ namespace NetMQExample.PlayTest
         private GameObject doomed;
 
         private void Awake() => Say("Awake");
-
         private void OnEnable() => Say("OnEnable");
 
         private void Start()
@@ -132,13 +131,9 @@ namespace NetMQExample.PlayTest
         }
 
         private void OnApplicationPause(bool paused) => Say($"OnApplicationPause {paused}");
-
         private void OnApplicationQuit() => Say("OnApplicationQuit");
-
         private void OnDisable() => Say("OnDisable");
-
         private void OnDestroy() => Say("OnDestroy");
-
         private static void Say(string what) => Console.WriteLine(what);
     }
 

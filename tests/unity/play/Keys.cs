@@ -43,9 +43,7 @@ namespace UnityEngine.InputSystem
     internal sealed class Keyboard
     {
         public static Keyboard current { get; set; }
-
         public Key Pressed { get; set; }
-
         public KeyControl this[Key key] => new KeyControl { isPressed = key == Pressed };
     }
 }

@@ -31,14 +31,8 @@ namespace NetMQExample.PlayTest
         {
             Log("asking");
             Unloading.WaitOne();
-            try
-            {
-                _ = new NetMQConnection(endpoint, () => new RequestSocket());
-            }
-            finally
-            {
-                Tried.Set();
-            }
+            try { _ = new NetMQConnection(endpoint, () => new RequestSocket()); }
+            finally { Tried.Set(); }
             Thread.Sleep(Timeout.Infinite);
         }
     }

@@ -48,10 +48,7 @@ namespace MLAgentsWorlds
                     var at = deed.IndexOf('>');
                     Do(at < 0 ? agent : Worlds.Agents[deed.Substring(0, at)], deed.Substring(at + 1).Split(' '));
                 }
-                catch (Exception e)
-                {
-                    Told.Write($"{agent.name} threw {e.GetType().Name}: {e.Message}");
-                }
+                catch (Exception e) { Told.Write($"{agent.name} threw {e.GetType().Name}: {e.Message}"); }
         }
 
         private static IEnumerable<string> Of(Agent agent, string call, int number)

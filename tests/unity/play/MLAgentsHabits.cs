@@ -41,7 +41,6 @@ namespace MLAgentsWorlds
         private bool fixedOnce, updatedOnce;
 
         public override void Initialize() => Told.Write($"{name} init");
-
         public override void OnActionReceived(ActionBuffers actions) => Told.Write($"{name} act");
 
 #pragma warning disable CS0114 // It is what they write.
@@ -49,9 +48,7 @@ namespace MLAgentsWorlds
 #pragma warning restore CS0114
 
         private void Start() => Told.Write($"{name} Start");
-
         private void OnTriggerEnter(Collider other) => Told.Write($"{name} OnTriggerEnter");
-
         private void OnDestroy() => Told.Write($"{name} OnDestroy");
 
         private void FixedUpdate()

@@ -59,7 +59,6 @@ namespace MLAgentsWorlds
         }
 
         internal static string Invariant(FormattableString text) => FormattableString.Invariant(text);
-
         internal static void Write(string line) => Console.WriteLine($"| {line.TrimEnd()}");
 
         private static string Shown(ActionBuffers actions) => string.Join(" ", actions.ContinuousActions
@@ -73,9 +72,7 @@ namespace MLAgentsWorlds
         }
 
         private void Update() => Quietly("update");
-
         private void FixedUpdate() => Quietly("fixed");
-
         private void OnTriggerEnter(Collider other) => Quietly("trigger");
 
         private IEnumerator AfterPhysics()

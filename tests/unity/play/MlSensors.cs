@@ -15,6 +15,7 @@ using NetMQExample.MLAgents.Sensors;
 using NetMQExample.MLAgents.Sensors.Reflection;
 using UnityEngine;
 using UnityPlayer;
+using static NetMQExample.PlayTest.Rays;
 using FrameBuffer = NetMQExample.FrameBuffer;
 using NetMQLifetime = NetMQExample.NetMQLifetime;
 
@@ -329,15 +330,6 @@ namespace MlTest
             return thing;
         }
 
-        private static GameObject Thing(PrimitiveType type, string tag, Vector3 place)
-        {
-            var thing = GameObject.CreatePrimitive(type);
-            thing.name = tag;
-            thing.tag = tag;
-            thing.transform.position = place;
-            return thing;
-        }
-
         private static void Look(ISensor sensor)
         {
             sensor.Update();
@@ -367,10 +359,7 @@ namespace MlTest
                 mistake();
                 Console.WriteLine("no exception");
             }
-            catch (Exception e)
-            {
-                Console.WriteLine($"{e.GetType().Name}: {e.Message.Split('\n')[0]}");
-            }
+            catch (Exception e) { Console.WriteLine($"{e.GetType().Name}: {e.Message.Split('\n')[0]}"); }
         }
 
         private class Insect : MonoBehaviour
@@ -380,7 +369,6 @@ namespace MlTest
 
         [Flags]
         private enum Senses { Smell = 1, Touch = 2 }
-
         private enum Mood { Calm, Hungry }
 
         private sealed class Ant : Insect
@@ -417,7 +405,6 @@ namespace MlTest
             private readonly bool gray;
 
             public TextureSensor(Texture2D texture, bool gray) => (this.texture, this.gray) = (texture, gray);
-
             public ObservationSpec GetObservationSpec() => ObservationSpec.Visual(gray ? 1 : 3, 2, 2);
             public int Write(ObservationWriter writer) => writer.WriteTexture(texture, gray);
             public byte[] GetCompressedObservation() => null;

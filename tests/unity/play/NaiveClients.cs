@@ -9,14 +9,16 @@ using Debug = UnityEngine.Debug;
 
 namespace NetMQExample.PlayTest
 {
-    /// <summary>Waits for each reply without a limit, and OnDestroy waits for that.</summary>
-    public sealed class EndlessClient : MonoBehaviour
+    /// <summary>Talks on a thread of its own from Start to OnDestroy.</summary>
+    public abstract class NaiveClient : MonoBehaviour
     {
-        [SerializeField] private string endpoint = "tcp://127.0.0.1:5551";
+        [SerializeField] protected string endpoint = "tcp://127.0.0.1:5551";
 
-        private volatile bool running = true;
-        private Thread thread;
-        private string who;
+        protected volatile bool running = true;
+        protected Thread thread;
+        protected string who;
+
+        protected abstract void Ask();
 
         private void Start()
         {
@@ -24,15 +26,12 @@ namespace NetMQExample.PlayTest
             thread = new Thread(Ask) { IsBackground = true };
             thread.Start();
         }
+    }
 
-        private void OnDestroy()
-        {
-            running = false;
-            thread.Join();
-            NetMQConfig.Cleanup();
-        }
-
-        private void Ask()
+    /// <summary>Waits for each reply without a limit, and OnDestroy waits for that.</summary>
+    public sealed class EndlessClient : NaiveClient
+    {
+        protected override void Ask()
         {
             using var socket = new RequestSocket(endpoint);
             while (running)
@@ -42,17 +41,19 @@ namespace NetMQExample.PlayTest
                 Debug.Log($"{who}: received {socket.ReceiveFrameString()}");
             }
         }
+
+        private void OnDestroy()
+        {
+            running = false;
+            thread.Join();
+            NetMQConfig.Cleanup();
+        }
     }
 
     /// <summary>Forgets its socket, so that NetMQ never ends. Before 4.0.4.1 it never does on macOS.</summary>
-    public sealed class ForgetfulClient : MonoBehaviour
+    public sealed class ForgetfulClient : NaiveClient
     {
         private static RequestSocket forgotten;
-
-        [SerializeField] private string endpoint = "tcp://127.0.0.1:5551";
-
-        private volatile bool running = true;
-        private Thread thread;
 
         internal static void Forget(string endpoint)
         {
@@ -60,19 +61,7 @@ namespace NetMQExample.PlayTest
             forgotten = new RequestSocket(endpoint);
         }
 
-        private void Start()
-        {
-            thread = new Thread(Ask) { IsBackground = true };
-            thread.Start();
-        }
-
-        private void OnDestroy()
-        {
-            running = false;
-            NetworkThread.Join(thread);
-        }
-
-        private void Ask()
+        protected override void Ask()
         {
             var waited = Stopwatch.StartNew();
             try
@@ -88,32 +77,18 @@ namespace NetMQExample.PlayTest
                 Debug.LogError($"gave up after {waited.ElapsedMilliseconds} ms: {e.Message}");
             }
         }
-    }
-
-    /// <summary>Waits with a limit, but cleans up what its neighbours still use.</summary>
-    public sealed class CleaningClient : MonoBehaviour
-    {
-        [SerializeField] private string endpoint = "tcp://127.0.0.1:5551";
-
-        private volatile bool running = true;
-        private Thread thread;
-        private string who;
-
-        private void Start()
-        {
-            who = name;
-            thread = new Thread(Ask) { IsBackground = true };
-            thread.Start();
-        }
 
         private void OnDestroy()
         {
             running = false;
-            thread.Join();
-            NetMQConfig.Cleanup(false);
+            NetworkThread.Join(thread);
         }
+    }
 
-        private void Ask()
+    /// <summary>Waits with a limit, but cleans up what its neighbours still use.</summary>
+    public sealed class CleaningClient : NaiveClient
+    {
+        protected override void Ask()
         {
             try
             {
@@ -127,10 +102,14 @@ namespace NetMQExample.PlayTest
                     Debug.Log($"{who}: received {reply}");
                 }
             }
-            catch (Exception e)
-            {
-                Debug.LogError($"{who}: {e.GetType().Name}");
-            }
+            catch (Exception e) { Debug.LogError($"{who}: {e.GetType().Name}"); }
+        }
+
+        private void OnDestroy()
+        {
+            running = false;
+            thread.Join();
+            NetMQConfig.Cleanup(false);
         }
     }
 }

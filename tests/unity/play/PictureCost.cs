@@ -16,7 +16,6 @@ namespace NetMQExample.PlayTest
         private DriveAction? newest;
 
         public DrivenBehaviour Car { get; set; }
-
         public string Endpoint { get; set; }
 
         protected override void Talk(CancellationToken stop)

@@ -2,27 +2,12 @@
 //
 //     mono play.dll reload                               each Play in a fresh AppDomain
 //     … play.dll keep                                    every Play on the same statics, as with domain reload off
-//     … play.dll editor                                  the package's folder Editor; see EditorProgram.cs
-//     … play.dll habits                                  one Play, in which scripts do what they may do in Unity
-//     … play.dll first Waiting                           a Play of one script of FirstScripts.cs
 //     … play.dll flood 1 tcp://127.0.0.1:5551 150        a Play in which each line of the log costs 0.3 ms
 //     … play.dll wrong 4 tries 0 …                       Plays of ten frames, each with a field that is wrong
-//     … play.dll drive fail=20 count=50 …                lesson 08 with what may happen to it; see Drives.cs
-//     … play.dll frames                                 the scene's clock in bytes; see ClockFrames.cs
-//     … play.dll rays                                   what rays meet; see Rays.cs
-//     … play.dll touches                                what bodies do and touch; see Touches.cs
-//     … play.dll mlsensors                              what ML-Agents' sensors write; see MlSensors.cs
-//     … play.dll mlscene scene.unity                    what components read from a scene; see MlScene.cs
-//     … play.dll cameras                                what a camera sees, and what it leaves; see Cameras.cs
-//     … play.dll pictures tcp://127.0.0.1:5558          what a picture costs the network thread; see PictureCost.cs
-//     … play.dll body count=60 …                         application 20; see Bodies.cs
-//     … play.dll areas 16 play --endpoint …              lesson 10's areas in a scene; see ManyAreas.cs
-//     … play.dll quiet world --endpoint …                what frames cost in which Python steps; see Quiet.cs
-//     … play.dll clock "A period=2" …                     ML-Agents' shape; see MLAgentsWorlds.cs
-//     … play.dll keys                                    what ArrowKeys makes of the Input System; see Keys.cs
 //     … play.dll views front front                     a Play of lesson 12 with cameras of these names
 //     … play.dll forgotten                               no Play: a socket is not disposed, and the process ends
 //
+// The other words are those of the files that Main calls.
 // "play 1 tcp://127.0.0.1:5551 2" has two of lesson 1's clients in the scene. It prints "ready", "playing", what the
 // scripts log, "stopped in 12.3 ms" and, after a reload, "unloaded in 45.6 ms". Threads and sockets are counted by the
 // test, from outside.

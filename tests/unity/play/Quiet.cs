@@ -18,9 +18,7 @@ namespace NetMQExample.PlayTest
             GymSpace.Dict(("did", GymSpace.Box(-1, 1, 2)), ("which", GymSpace.Discrete(3)));
 
         public override GymSpace Action { get; } = GymSpace.Box(-1, 1, 2);
-
         public override void OnReset() => (one, two) = (0, 0);
-
         public override void OnAction(SpaceReader action) => (one, two) = (action[0], action[1]);
 
         public override void OnStepped()
@@ -38,11 +36,8 @@ namespace NetMQExample.PlayTest
         private double on;
 
         public override GymSpace Observation { get; } = GymSpace.Discrete(2);
-
         public override GymSpace Action { get; } = GymSpace.Discrete(2);
-
         public override void OnAction(SpaceReader action) => on = action[0];
-
         public override void Observe(SpaceWriter seen) => seen.Add(on);
     }
 

@@ -37,10 +37,10 @@ namespace NetMQExample.PlayTest
             Show("small", car, 0, -5);
         }
 
-        private static GameObject Thing(PrimitiveType type, string tag, Vector3 place)
+        internal static GameObject Thing(PrimitiveType type, string tag, Vector3 place)
         {
             var thing = GameObject.CreatePrimitive(type);
-            thing.tag = tag;
+            thing.name = thing.tag = tag;
             thing.transform.position = place;
             return thing;
         }

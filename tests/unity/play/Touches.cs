@@ -58,9 +58,7 @@ namespace NetMQExample.PlayTest
 
         private static GameObject Thing(PrimitiveType type, string name, float height, Vector3 size)
         {
-            var thing = GameObject.CreatePrimitive(type);
-            thing.name = name;
-            thing.transform.position = new Vector3(0, height, 0);
+            var thing = Rays.Thing(type, name, new Vector3(0, height, 0));
             thing.transform.localScale = size;
             return thing;
         }

@@ -22,13 +22,11 @@ namespace UnityEditor
     public sealed class PlayerSettings : UnityEngine.Object
     {
         private PlayerSettings() { }
-
         public static string productName { get; set; } = "My Game";
 
         public class Android
         {
             public static bool forceInternetPermission { get; set; }
-
             public static AndroidSdkVersions targetSdkVersion { get; set; }
         }
     }
@@ -63,14 +61,12 @@ namespace UnityEditor.Build.Reporting
     public sealed class BuildReport : UnityEngine.Object
     {
         internal BuildReport(BuildTarget platform) => summary = new BuildSummary(platform);
-
         public BuildSummary summary { get; }
     }
 
     public struct BuildSummary
     {
         internal BuildSummary(BuildTarget platform) => this.platform = platform;
-
         public BuildTarget platform { get; }
     }
 }

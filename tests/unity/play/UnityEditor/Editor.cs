@@ -49,9 +49,7 @@ namespace UnityEditor
 
         /// <summary>The objects in Assets, and not in the scene.</summary>
         internal static HashSet<UnityEngine.Object> Assets { get; } = new HashSet<UnityEngine.Object>();
-
         public static bool IsPersistent(UnityEngine.Object target) => Assets.Contains(target);
-
         public static string OpenFolderPanel(string title, string folder, string defaultName) => Chosen;
     }
 

@@ -34,7 +34,6 @@ namespace UnityEngine.UIElements
         private readonly List<VisualElement> children = new List<VisualElement>();
 
         public void Add(VisualElement child) => children.Add(child);
-
         internal virtual void Draw() => children.ForEach(child => child.Draw());
     }
 
@@ -45,7 +44,6 @@ namespace UnityEngine.UIElements
         private readonly Action onGUIHandler;
 
         public IMGUIContainer(Action onGUIHandler) => this.onGUIHandler = onGUIHandler;
-
         internal override void Draw() => onGUIHandler();
     }
 }

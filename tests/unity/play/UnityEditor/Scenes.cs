@@ -20,13 +20,9 @@ namespace UnityEditor
     public class Editor : ScriptableObject
     {
         public Object target => targets[0];
-
         public Object[] targets { get; internal set; }
-
         public SerializedObject serializedObject { get; } = new SerializedObject();
-
         public virtual VisualElement CreateInspectorGUI() => null;
-
         public virtual bool RequiresConstantRepaint() => false;
     }
 
@@ -49,7 +45,6 @@ namespace UnityEditor
     {
         /// <summary>Where the package lies: Assets/NetMQExample or Packages/com.netmqexample.lessons.</summary>
         internal static string Package { get; set; } = "Assets/NetMQExample";
-
         public static bool IsAssetImportWorkerProcess() => false;
 
         public static string GetAssetPath(Object assetObject) =>

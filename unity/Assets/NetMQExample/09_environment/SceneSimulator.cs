@@ -109,18 +109,7 @@ namespace NetMQExample
             real.Switch(false);
             framed = false;
             infos.Clear();
-            var data = MessageTree.Write(new Dictionary<string, object>
-            {
-                ["kinds"] = roster.Kinds.Select(kind => kind.Describe()).ToList(),
-            });
-            return new Message("hello")
-            {
-                Values =
-                {
-                    ["name"] = Name, ["dt"] = dt, ["record"] = 2L, ["clock"] = "python", ["channels"] = false,
-                },
-                Arrays = { new MessageArray("uint8", data, data.Length) },
-            };
+            return Greeting(dt, "python", roster.Kinds.ConvertAll(kind => kind.Describe()));
         }
 
         public override Message Say(Message request)
@@ -132,8 +121,14 @@ namespace NetMQExample
                     $"{Name} draws none: override Render, or tell check_env skip_render_check=True"));
                 return picture;
             }
-            if (request.Kind != "info") throw Unknown(request, "info, render");
-            var (to, said) = InfoOf(request);
+            if (request.Kind != "info")
+                throw new MessageException("unknown-kind",
+                    $"kind {MessageWriter.Shown(request.Kind)} is none of reset, step, info, render, close");
+            // An info with its receiver, empty for the environment.
+            var (to, said) = request.Arrays.Count == 1
+                && MessageTree.Read(request.Arrays[0].Data) is List<object> pair
+                && pair.Count == 2 && pair[0] is string agent ? (agent, pair[1])
+                : throw new MessageException("bad-info", "it is no name with an info");
             Inside(() => (to == "" ? OnInfo + Others() ?? Unheard : Find(to).OnInfo)(said));
             return new Message("told", request.Id);
         }

@@ -81,15 +81,19 @@ namespace NetMQExample
         /// <summary>Answers what is asked in words, such as render.</summary>
         public abstract Message Say(Message request);
 
-        /// <summary>An info with its receiver, empty for the environment.</summary>
-        protected static (string Whom, object Info) InfoOf(Message request) => request.Arrays.Count == 1
-            && MessageTree.Read(request.Arrays[0].Data) is List<object> pair
-            && pair.Count == 2 && pair[0] is string agent ? (agent, pair[1])
-            : throw new MessageException("bad-info", "it is no name with an info");
-
-        /// <summary>To throw: the request is unknown.</summary>
-        protected static MessageException Unknown(Message request, string known) => new MessageException("unknown-kind",
-            $"kind {MessageWriter.Shown(request.Kind)} is none of reset, step, {known}, close");
+        // Of a simulator by Python's clock, or by the scene's.
+        internal Message Greeting(double dt, string clock, List<object> kinds)
+        {
+            var data = MessageTree.Write(new Dictionary<string, object> { ["kinds"] = kinds });
+            return new Message("hello")
+            {
+                Values =
+                {
+                    ["name"] = Name, ["dt"] = dt, ["record"] = 2L, ["clock"] = clock, ["channels"] = clock == "scene",
+                },
+                Arrays = { new MessageArray("uint8", data, data.Length) },
+            };
+        }
 
         private Message Refusal(Exception e)
         {

@@ -24,8 +24,6 @@ namespace NetMQExample
         /// <param name="maxRayDegrees">From the one ahead to the last one; 180: all around.</param>
         /// <param name="rayLength">In metres.</param>
         /// <param name="sphereCastRadius">How thick they are, in metres; 0: as thin as a ray.</param>
-        /// <param name="layerMask">The layers that they meet.</param>
-        /// <param name="detectableTags">The tags that they tell apart.</param>
         public RayView(Transform from, int raysPerDirection, float maxRayDegrees, float rayLength,
             float sphereCastRadius, int layerMask, params string[] detectableTags)
         {

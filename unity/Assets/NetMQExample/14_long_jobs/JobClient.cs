@@ -84,12 +84,10 @@ namespace NetMQExample
         }
 
         /// <summary>The news of the job, up to its result.</summary>
-        /// <param name="request">The request, which is sent again and again.</param>
         /// <param name="stop">Ends the watching, within 50 ms of being cancelled. The job goes on.</param>
         /// <exception cref="MessageException">The server rejects it, with its words; or the job was
         /// forgotten.</exception>
         /// <exception cref="TimeoutException">Nothing came in all tries.</exception>
-        /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
         public IEnumerable<JobNews> Watch(Message request, CancellationToken stop = default)
         {
             Require.Given("request", request);

@@ -64,7 +64,6 @@ namespace NetMQExample
         /// <param name="text">The request, sent as UTF-8.</param>
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
         /// <exception cref="TimeoutException">No try was answered; the message says why.</exception>
-        /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
         /// <exception cref="ArgumentException">The text has more than 65,536 bytes.</exception>
         public string Request(string text, CancellationToken stop = default)
         {

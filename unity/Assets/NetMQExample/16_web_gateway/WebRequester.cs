@@ -51,7 +51,6 @@ namespace NetMQExample
         /// <param name="socketIO">By Socket.IO in place of plain WebSocket.</param>
         /// <param name="token">The word that the gateway was given as --token.</param>
         /// <param name="timeout">How long to wait for each reply; 2.5 s when left out.</param>
-        /// <returns>A requester, which connects with the first request.</returns>
         /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
         public static WebRequester To(string endpoint, string name, bool socketIO = false, string token = "",
             TimeSpan? timeout = null)
@@ -162,7 +161,6 @@ namespace NetMQExample
         }
 
         /// <summary>A new connection, a moment later.</summary>
-        /// <param name="why">The reason why this one failed.</param>
         protected void Again(string why)
         {
             if (why.Contains("403")) throw Refused();
@@ -194,7 +192,6 @@ namespace NetMQExample
         void Send(string text);
 
         /// <summary>Takes a message that has come.</summary>
-        /// <returns>False if there is none.</returns>
         bool TryReceive(out string text);
     }
 }

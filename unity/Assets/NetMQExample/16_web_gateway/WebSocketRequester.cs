@@ -8,10 +8,6 @@ namespace NetMQExample
     public sealed class WebSocketRequester : WebRequester
     {
         /// <inheritdoc cref="WebRequester(string, TimeSpan?)"/>
-        /// <param name="endpoint">The gateway, such as <c>http://127.0.0.1:5566</c>.</param>
-        /// <param name="name">The server behind it, such as hello.</param>
-        /// <param name="token">The word that the gateway was given as --token.</param>
-        /// <param name="timeout">How long to wait for each reply.</param>
         public WebSocketRequester(string endpoint, string name, string token = "", TimeSpan? timeout = null)
             : base(endpoint, timeout) =>
             Path = $"/ws/{WebText.Given("name", name)}?token={Uri.EscapeDataString(WebText.Given("token", token))}";

@@ -54,7 +54,6 @@ namespace NetMQExample
 
         /// <summary>Call it in the T-pose.</summary>
         /// <param name="root">Its forward is where the avatar looks.</param>
-        /// <param name="bone">The bone to turn.</param>
         /// <param name="end">The next bone, to which it points; null for one that turns with the body's axes.</param>
         public AvatarBone(Transform root, Transform bone, Transform end)
         {
@@ -65,13 +64,10 @@ namespace NetMQExample
         }
 
         /// <summary>Turns it with the body alone.</summary>
-        /// <param name="body">The body's axes in the world.</param>
         public void Turn(Quaternion body) => bone.rotation = body * rest;
 
         /// <summary>Turns it with the body, and then to where it points: so knees and feet look ahead when the person
         /// turns round.</summary>
-        /// <param name="body">The body's axes in the world.</param>
-        /// <param name="direction">From one landmark to the other, in the world.</param>
         public void Point(Quaternion body, Vector3 direction) => bone.rotation =
             body * Quaternion.FromToRotation(hangs, Quaternion.Inverse(body) * direction) * rest;
     }

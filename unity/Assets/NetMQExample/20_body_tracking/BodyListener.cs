@@ -47,9 +47,6 @@ namespace NetMQExample
 
         /// <summary>Waits for a pose, and so not on Unity's main thread.</summary>
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
-        /// <returns>The newest one.</returns>
-        /// <exception cref="TimeoutException">None came.</exception>
-        /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
         public BodyPose Receive(TimeSpan timeout, CancellationToken stop = default)
         {
             BodyPose pose;

@@ -22,9 +22,7 @@ namespace NetMQExample
         public int Words { get; private set; }
 
         /// <summary>The payload of a job in which the character speaks.</summary>
-        /// <param name="client">Of a job that is not begun.</param>
         /// <param name="prompt">The question, in at most 1000 characters.</param>
-        /// <param name="most">How many words to listen to.</param>
         /// <exception cref="ArgumentException">The prompt is empty or too long.</exception>
         public static Message Ask(JobClient client, string prompt, int most) =>
             prompt.Length > 0 && prompt.Length <= 1000
@@ -33,8 +31,6 @@ namespace NetMQExample
 
         /// <summary>For Watch: who stops listening walks away, too, and there is a moment for the server to hear of
         /// it.</summary>
-        /// <param name="stop">Cancels the job.</param>
-        /// <returns>It ends the watching.</returns>
         public static CancellationToken LeaveAt(JobClient client, CancellationToken stop)
         {
             var moment = new CancellationTokenSource();

@@ -38,19 +38,7 @@ namespace NetMQExample.MLAgents
             return kind;
         }
 
-        public override Message Describe()
-        {
-            var data = MessageTree.Write(new Dictionary<string, object> { ["kinds"] = new List<object>() });
-            return new Message("hello")
-            {
-                Values =
-                {
-                    ["name"] = Name, ["dt"] = (double)Time.fixedDeltaTime, ["record"] = 2L, ["clock"] = "scene",
-                    ["channels"] = true,
-                },
-                Arrays = { new MessageArray("uint8", data, data.Length) },
-            };
-        }
+        public override Message Describe() => Greeting(Time.fixedDeltaTime, "scene", new List<object>());
 
         public override Message Say(Message request) => throw new MessageException("unknown-kind",
             $"kind {MessageWriter.Shown(request.Kind)}: a scene by its own clock knows reset, step and close alone; "

@@ -120,6 +120,30 @@ namespace NetMQExample.Tests
             yield return Scene.End(client);
         }
 
+        private static readonly int[] Plays = { 1, 2, 3, 4, 5 };
+
+        // Each Play finds NetMQ as the one before has left it.
+        [UnityTest]
+        public IEnumerator GetsItsReplies([ValueSource(nameof(Plays))] int play)
+        {
+            using var server = InProcessServer.Answering(request => Frames("World"));
+            var client = (HelloClient)Scene.Play(typeof(HelloClient), null, server.Endpoint, ("count", 3));
+            LogAssert.Expect(LogType.Log, "3: sent Hello, received World");
+            LogAssert.Expect(LogType.Log, "done: 3 replies");
+            yield return Scene.Until(() => client.Done, $"the end of Play {play}");
+            UnityEngine.Object.Destroy(client.gameObject);
+        }
+
+        [UnityTest]
+        public IEnumerator SaysWhatIsWrongWithAnEndpoint()
+        {
+            var client = (HelloClient)Scene.Play(typeof(HelloClient), null, "127.0.0.1:5551");
+            LogAssert.Expect(LogType.Error, new Regex("write it like tcp://"));
+            yield return Scene.Until(() => client.Done, "an error");
+            Assert.That(client.LastError, Does.Contain("write it like tcp://"));
+            UnityEngine.Object.Destroy(client.gameObject);
+        }
+
         // Of each event two are expected: what the inspector wires, and what a script adds itself to.
         private static void Listen(MonoBehaviour component, List<string> expected)
         {
