@@ -102,8 +102,7 @@ namespace NetMQExample
         {
             // Without a limit, a list that holds itself would end the program.
             if (depth > MostDepth) throw new MessageException("bad-tree", "it is nested too deeply, or has no end");
-            var known = AddSimple(numbers, value);
-            if (known != null)
+            if (AddSimple(numbers, value) is string known)
             {
                 form.Append(known);
                 return;
@@ -155,8 +154,7 @@ namespace NetMQExample
             }
         }
 
-        private static void AddAll(
-            StringBuilder form, FrameBuffer numbers, IReadOnlyList<object> items, int depth)
+        private static void AddAll(StringBuilder form, FrameBuffer numbers, IReadOnlyList<object> items, int depth)
         {
             form.Append('[');
             for (var i = 0; i < items.Count; i++)
