@@ -47,17 +47,18 @@ def test_a_person_is_seen_to_move(serve, start_client, connect):
     _, endpoint = serve(KEY, **GERMAN)
     clients = []
     for kind, person in ("python", 0), ("python", 1), ("csharp", 1), ("unity", 1):
-        words = ["--person", str(person), "--count", "13", "--every", "4"]
+        words = ["--person", str(person), "--count", "25", "--every", "4"]
         clients.append((person, start_client(kind, KEY, endpoint, *words, "--timeout", "60", **GERMAN)))
     for person, client in clients:
         assert client.wait() == 0, client.output
         first, *seen, last = client.lines
         assert first == f"listening to 'pose/{person}/' from {endpoint}"
-        assert re.fullmatch(r"done: 13 poses, \d+ skipped", last)
+        assert re.fullmatch(r"done: 25 poses, \d+ skipped", last)
         form = rf"person {person}: pose (\d+), right knee (\d+) degrees, \d+ ms late"
         found = [re.fullmatch(form, line) for line in seen]
-        assert len(found) == 4 and all(found), client.output
+        assert len(found) == 7 and all(found), client.output
         assert [match[2] for match in found] == [knee(int(match[1]), person) for match in found]
+        # Whoever walks has a straight leg for half a second, which is 15 poses.
         assert len({match[2] for match in found}) > 1
     # Seconds are the computer's: else each pose of a server that was started again would seem to be late.
     seconds = body_listener.parse(connect(endpoint, zmq.SUB, "pose/0/").recv().decode()).seconds

@@ -28,7 +28,7 @@ from netmq_example.mlagents_envs.side_channel.incoming_message import FLOAT32
 from netmq_example.mlagents_envs.side_channel.outgoing_message import packed
 from netmq_example.mlagents_envs.side_channel.side_channel import IncomingMessage, OutgoingMessage
 from netmq_example.mlagents_envs.side_channel.stats_side_channel import StatsAggregationMethod, StatsSideChannel
-from netmq_example.wire.split_mix import draws
+from netmq_example.wire.split_mix import Draws, draws
 
 __all__ = ["EngineSettings", "EnvironmentParameters", "StatsRecorder"]
 
@@ -44,8 +44,7 @@ def to_float32(value: float) -> float:
 
 
 def uniform(low: float, high: float, seed: int) -> Sampler:
-    finite(low, high)
-    rng = draws(check_seed(seed))
+    rng = drawn(seed, low, high)
     return lambda: to_float32(low + next(rng) * (high - low))
 
 
@@ -53,8 +52,7 @@ def gaussian(mean: float, st_dev: float, seed: int) -> Sampler:
     """The sum of twelve numbers from 0 to 1 is bell-shaped with deviation 1, and needs no logarithm: those of two
     systems differ in the last bit.
     """
-    finite(mean, st_dev)
-    rng = draws(check_seed(seed))
+    rng = drawn(seed, mean, st_dev)
 
     def draw() -> float:
         total = -6.0
@@ -68,14 +66,13 @@ def gaussian(mean: float, st_dev: float, seed: int) -> Sampler:
 
 def multi_range_uniform(bounds: list[float], seed: int) -> Sampler:
     """From several intervals, `[low, high, low, high, ...]`: a longer one is hit more often."""
-    finite(*bounds)
+    rng = drawn(seed, *bounds)
     intervals = list(zip(bounds[::2], bounds[1::2], strict=True)) if len(bounds) % 2 == 0 else []
     if not intervals or any(low > high for low, high in intervals):
         raise UnitySideChannelException("ranges are pairs of a lower and a higher number")
     length = 0.0
     for low, high in intervals:
         length += high - low
-    rng = draws(check_seed(seed))
 
     def draw() -> float:
         at = next(rng) * length
@@ -88,15 +85,11 @@ def multi_range_uniform(bounds: list[float], seed: int) -> Sampler:
     return draw
 
 
-def finite(*numbers: float) -> None:
-    for number in numbers:
-        if not check.is_number(number):
-            raise UnitySideChannelException("a sampler takes numbers, not NaN or infinity")
-
-
-def check_seed(seed: int) -> int:
-    """An int32, as it is on the wire."""
-    return check.count("seed", seed, least=-(2**31))
+def drawn(seed: int, *numbers: float) -> Draws:
+    """For a sampler with these numbers; the seed is an int32, as it is on the wire."""
+    if not all(map(check.is_number, numbers)):
+        raise UnitySideChannelException("a sampler takes numbers, not NaN or infinity")
+    return draws(check.count("seed", seed, least=-(2**31)))
 
 
 def describe(name: str, values: tuple[float, ...]) -> str:
