@@ -12,8 +12,7 @@ namespace UnityPlayer
         // For scenes of one's own: no lesson's scene has them.
         private static readonly string[] Spare = { "RaySensor" };
 
-        /// <summary>Every MonoBehaviour of a reader's own, and those of the kit's that own-scripts.csproj has
-        /// noted.</summary>
+        /// <summary>Every MonoBehaviour of a reader's own, and those of the kit's that kit.py has noted.</summary>
         /// <exception cref="ArgumentException">There is none.</exception>
         public static Type[] Of(Assembly own, Assembly kit)
         {

@@ -51,7 +51,7 @@ def do(options: argparse.Namespace) -> int:
     netmq = dotnet.find_netmq()
     player = dotnet.build(netmq)
     try:
-        scripts = dotnet.build(netmq, dotnet.OWN_SCRIPTS, [for_dotnet(path) for path in files], theirs)
+        scripts = dotnet.compile_scripts(netmq, [for_dotnet(path) for path in files], theirs)
     except dotnet.DoesNotCompile as error:
         raise KitError(why(str(error), files, theirs)) from None
     # A script keeps its files where its owner is, and not in the kit.

@@ -6,7 +6,7 @@ import json
 import os
 import re
 import shutil
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,11 +18,15 @@ from kitlib.terminal import say
 
 CONSOLE = ROOT / "csharp-console"
 SUPPORT = ROOT / "csharp-support"
-OWN_SCRIPTS = CONSOLE / "own-scripts"
+PROJECTS = (".csproj", ".props", ".targets")
 # csharp-support builds these, and every other project refers to them.
 LIBRARIES = ("NetMQExample", "UnityPlayer")
+# The compiler, and its words for whatever Unity compiles, as NetMQExample.csproj writes them.
+COMPILER = BUILD / "bin" / "NetMQExample" / "release" / "scripts.rsp"
 # A build and a restore hold it: all projects share what stands in .build.
 LOCK = BUILD / "lock"
+# Which projects have their packages, and for which files.
+RESTORED = BUILD / "restored.json"
 INSTALLER = "https://dotnet.microsoft.com/download"
 # MSBuild takes every variable for a property, such as VERSION or OutDir, and an empty one for none. The variables that
 # the system and .NET themselves need have one of these names, or an underscore.
@@ -118,10 +122,19 @@ def nuget_folder() -> Path:
     return Path(os.environ.get("NUGET_PACKAGES") or Path(home, ".nuget", "packages"))
 
 
-def restore(netmq: NetMQ) -> Result:
+def projects(netmq: NetMQ, project: Path) -> str:
+    return fingerprint(netmq, sorted({CONSOLE, SUPPORT, project}), PROJECTS)
+
+
+def restore(netmq: NetMQ, project: Path = CONSOLE, limit: float = TIMEOUT) -> Result:
+    known = read_json(RESTORED)
+    RESTORED.unlink(missing_ok=True)
     # By force, because what an interrupted restore has left looks whole to the next one. In the kit's folder, whose
     # global.json counts there, and none of where the user is.
-    return quietly(["dotnet", "restore", CONSOLE, "--force", *netmq.properties], TIMEOUT, ENVIRONMENT, ROOT)
+    result = quietly(["dotnet", "restore", project, "--force", *netmq.properties], limit, ENVIRONMENT, ROOT)
+    if result.ok:
+        keep(RESTORED, json.dumps({**known, project.name: projects(netmq, project)}))
+    return result
 
 
 def find_netmq(ask_again: bool = False) -> NetMQ:
@@ -174,80 +187,108 @@ def refusal(result: Result) -> str:
     raise KitError(f"dotnet restore failed: {result.first(*ERRORS)}; is the SDK whole? dotnet --info")
 
 
-def fingerprint(netmq: NetMQ, sources: list[Path]) -> str:
+def fingerprint(netmq: NetMQ, sources: list[Path], kinds: Sequence[str] = (".cs", *PROJECTS)) -> str:
     """Changes when a source file, the SDK or the place of NetMQ does."""
     digest = hashlib.sha256(f"{sdk()} {netmq.properties}".encode())
-    for source in sources:
+    for source in [*ROOT.glob("Directory.*"), *sources]:
         for path in [source] if source.is_file() else sorted(source.rglob("*")):
-            if path.suffix in (".cs", ".csproj", ".props", ".targets"):
+            if path.suffix in kinds:
                 digest.update(f"{path}{path.stat().st_mtime_ns}{path.stat().st_size}".encode())
     return digest.hexdigest()
 
 
-def build(
-    netmq: NetMQ, project: Path = CONSOLE, own: Sequence[Path] = (), theirs: Sequence[Path] | None = None
-) -> Path:
-    """Build a project, if anything changed since the last time; returns its .dll.
-
-    `own` are a reader's own scripts, which own-scripts.csproj compiles: with all of the kit's, or with those that
-    their Unity project has of it, `theirs`.
-    """
+def build(netmq: NetMQ, project: Path = CONSOLE) -> Path:
+    """Build a project, if anything changed since the last time; returns its .dll."""
     name = next(project.glob("*.csproj")).stem
-    # Each list of scripts has a folder of its own: who goes back to one does not wait for a build.
-    folder = f"{name}-{hashlib.sha256(repr(own).encode()).hexdigest()[:12]}" if own else name
-    dll = BUILD / "bin" / folder / "release" / f"{name}.dll"
-    stamp = BUILD / f"{folder}.stamp"
-    now = f"{theirs is None} {fingerprint(netmq, [CONSOLE, SUPPORT, project, PACKAGE, *own, *(theirs or ())])}"
-
+    dll = BUILD / "bin" / name / "release" / f"{name}.dll"
     # An interrupted build of another project may have taken away what all of them refer to.
-    wanted = [dll, *(BUILD / "bin" / one / "release" / f"{one}.dll" for one in LIBRARIES)]
+    wanted = [dll, COMPILER, *(BUILD / "bin" / one / "release" / f"{one}.dll" for one in LIBRARIES)]
+
+    def make(whole: bool) -> Result:
+        if read_json(RESTORED).get(project.name) != projects(netmq, project):
+            result = restore(netmq, project, 500)
+            if not result.ok:
+                return result
+        # MSBuild takes even an empty file of an interrupted build for finished.
+        again = [] if whole else ["--no-incremental"]
+        words = [*netmq.properties, *again, "--no-restore", "-v:quiet", "-clp:NoSummary"]
+        result = step(f"building {name}", ["dotnet", "build", project, *words], 500, ENVIRONMENT, ROOT)
+        if not result.ok and "error CS" not in result.output:
+            # NuGet's store may have been emptied.
+            RESTORED.unlink(missing_ok=True)
+        return result
+
+    once(name, fingerprint(netmq, [CONSOLE, SUPPORT, project, PACKAGE]), wanted, make)
+    return dll
+
+
+def compile_scripts(netmq: NetMQ, own: Sequence[Path], theirs: Sequence[Path] | None = None) -> Path:
+    """Compile a reader's own scripts, if need be: with all of the kit's, which are built, or with those that their
+    Unity project has of it, `theirs`. By the compiler alone, since a build would take five times as long.
+    """
+    # Each list of scripts has a folder of its own: who goes back to one does not wait.
+    name = f"own-scripts-{hashlib.sha256(repr(own).encode()).hexdigest()[:12]}"
+    folder = BUILD / "bin" / name
+    dll, names = folder / "own-scripts.dll", folder / "Names.cs"
+
+    def make(_: bool) -> Result:
+        forget_old_lists()
+        folder.mkdir(parents=True, exist_ok=True)
+        # Compiled once more, the classes of unchanged copies would be other ones than the kit's. Beside a changed copy
+        # they are the reader's too: it is the changed one that they are to use.
+        unchanged = theirs is None and not any(map(changed_copy, own))
+        kit = [path for path in own if unchanged and any(PACKAGE.rglob(path.name))]
+        # The player takes what they name of the kit from there, and what their project has of it was not named.
+        notes = [(path.stem, "script") for path in kit] + [(path.stem, "unnamed") for path in theirs or ()]
+        attribute = "[assembly: System.Reflection.AssemblyMetadata({}, {})]\n"
+        names.write_text("".join(attribute.format(*map(json.dumps, note)) for note in notes), encoding="utf-8")
+        # A script of a Unity project sees what that project has of the kit, and not the kit behind this name, by which
+        # nobody calls the kit's own.
+        alias = "" if theirs is None else "kit="
+        scripts = [path for path in [*own, *(theirs or ())] if path not in kit]
+        words = [f"@{COMPILER}", f'-r:{alias}"{COMPILER.with_name("NetMQExample.dll")}"', f'-out:"{dll}"']
+        compiler = COMPILER.read_text(encoding="utf-8").partition("\n")[0].lstrip("# ")
+        command = ["dotnet", compiler, "-noconfig", *words, names, *scripts]
+        return step("building your scripts", command, 500, ENVIRONMENT)
+
+    sources = fingerprint(netmq, [CONSOLE, SUPPORT, PACKAGE, *own, *(theirs or ())])
+    once(name, f"{theirs is None} {sources}", [dll], make)
+    return dll
+
+
+def once(name: str, sources: str, wanted: list[Path], make: Callable[[bool], Result]) -> None:
+    """Make what is wanted, unless it is there and of the same sources; `make` hears if the last time came to an end."""
+    stamp = BUILD / f"{name}.stamp"
 
     def fresh() -> bool:
-        return all(map(Path.exists, wanted)) and read_json(stamp).get("sources") == now
+        return all(map(Path.exists, wanted)) and read_json(stamp).get("sources") == sources
 
     if fresh():
-        return dll
+        return
     if not writable(BUILD):
         raise KitError(unwritable(BUILD))
     with locked(LOCK):
         # The one that held the lock before may have built the same.
         if fresh():
-            return dll
-        # Without a stamp the last build was interrupted, and MSBuild takes even an empty file for finished.
-        again = [] if stamp.exists() else ["--no-incremental", "--force"]
+            return
+        whole = stamp.exists()
         stamp.unlink(missing_ok=True)
-        # A reader's scripts refer to what was built with the console, a moment ago.
-        no_references = ["-p:BuildProjectReferences=false"] if own else []
-        words = [*netmq.properties, *again, *no_references, "-v:quiet", "-clp:NoSummary"]
-        # MSBuild takes a variable for a property; on its command line a semicolon would end it.
-        # Compiled once more, the classes of unchanged copies would be other ones than the kit's. Beside a changed copy
-        # they are the reader's too: it is the changed one that they are to use.
-        unchanged = theirs is None and not any(map(changed_copy, own))
-        kit = [path for path in own if unchanged and any(PACKAGE.rglob(path.name))]
-        names = [escaped(path) for path in [*own, *(theirs or ())] if path not in kit]
-        environment = {
-            **ENVIRONMENT,
-            "OwnScripts": ";".join(names),
-            "KitScripts": ";".join(path.stem for path in kit),
-            "ProjectScripts": ";".join(path.stem for path in theirs or ()),
-            "OwnFolder": folder,
-            # By this name nobody calls the kit's own.
-            "KitAlias": "" if theirs is None else "kit",
-        }
-        forget_old_lists()
-        result = step(f"building {name}", ["dotnet", "build", project, *words], 500, environment, ROOT)
-        if not result.ok:
-            why = failure(result)
-            raise DoesNotCompile(why) if "error CS" in why else KitError(why)
-        keep(stamp, json.dumps({"sources": now}))
-    return dll
+        result = make(whole)
+        if result.ok:
+            keep(stamp, json.dumps({"sources": sources}))
+            return
+        why = failure(result)
+        if "error CS" not in why:
+            raise KitError(why)
+        if whole:
+            keep(stamp, "{}")
+        raise DoesNotCompile(why)
 
 
 def forget_old_lists() -> None:
     """A day of trying things out should not fill a disk."""
-    for stamp in sorted(BUILD.glob(f"{OWN_SCRIPTS.name}-*.stamp"), key=lambda path: path.stat().st_mtime)[:-20]:
-        for place in "bin", "obj":
-            shutil.rmtree(BUILD / place / stamp.stem, ignore_errors=True)
+    for stamp in sorted(BUILD.glob("own-scripts-*.stamp"), key=lambda path: path.stat().st_mtime)[:-20]:
+        shutil.rmtree(BUILD / "bin" / stamp.stem, ignore_errors=True)
         stamp.unlink()
 
 

@@ -1,5 +1,6 @@
 """kit.py as a person meets it: on a copy of the repository, as a process, on machines with and without things."""
 
+import contextlib
 import importlib
 import json
 import os
@@ -13,6 +14,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 
@@ -374,6 +376,20 @@ def test_a_changed_file_that_does_not_compile_is_not_hidden_by_another_client(mo
         runner.client_command(None, lessons.find("1"), PYTHON)
 
 
+def test_what_an_interrupted_build_has_left_is_built_anew_also_after_a_mistake(monkeypatch, tmp_path):
+    """Where none was interrupted, a mistake costs no whole build."""
+    without_nuget(monkeypatch, tmp_path)
+    mistake, done = Result(1, "x: error CS1002: ; expected"), Result(0, "")
+    ends = [mistake, mistake, done, mistake, mistake, KeyboardInterrupt, mistake, done]
+    step = Mock(side_effect=ends)
+    monkeypatch.setattr(dotnet, "step", step)
+    for end in ends:
+        with contextlib.nullcontext() if end is done else pytest.raises((KitError, KeyboardInterrupt)):
+            dotnet.build(dotnet.NetMQ())
+    whole = ["--no-incremental" in call.args[1] for call in step.mock_calls]
+    assert whole == [True, True, True, False, False, False, True, True]
+
+
 @pytest.mark.skipif(os.name == "nt", reason="Windows has its own place for each account")
 def test_without_a_home_dotnet_has_one_in_the_kit():
     code = "from kitlib.setup import dotnet; print(dotnet.ENVIRONMENT['HOME'], dotnet.nuget_folder())"
@@ -600,8 +616,9 @@ def test_a_package_is_there_if_it_can_be_imported_and_is_not_too_old(tmp_path, m
 
 
 def without_nuget(monkeypatch, tmp_path, code=0):
-    for name, value in {"BUILD": tmp_path, "LOCK": tmp_path / "lock", "PACKAGES": tmp_path / "packages"}.items():
-        monkeypatch.setattr(dotnet, name, value)
+    monkeypatch.setattr(dotnet, "BUILD", tmp_path)
+    for name in ("LOCK", "RESTORED", "PACKAGES"):
+        monkeypatch.setattr(dotnet, name, tmp_path / name.lower())
     monkeypatch.setattr(dotnet, "sdk", lambda: "10.0.100")
     monkeypatch.setattr(dotnet, "restore", lambda *_: Result(code, "error NU1301" * code))
 
