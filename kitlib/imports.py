@@ -10,7 +10,7 @@ import ast
 import functools
 import re
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -115,11 +115,11 @@ def modules(files: Iterable[Path]) -> list[Path]:
     return list(found)
 
 
-def inits(module: Path) -> Iterator[Path]:
+@functools.cache
+def inits(module: Path) -> list[Path]:
     """The `__init__.py` of each folder from the package's down to a module of it."""
-    for folder in reversed(module.parents):
-        if folder.is_relative_to(PYTHON / IMPORT_NAME) and folder / "__init__.py" != module:
-            yield folder / "__init__.py"
+    folders = [folder for folder in reversed(module.parents) if folder.is_relative_to(PYTHON / IMPORT_NAME)]
+    return [folder / "__init__.py" for folder in folders if folder / "__init__.py" != module]
 
 
 def data(files: Iterable[Path]) -> list[Path]:

@@ -34,6 +34,8 @@ def do(options: argparse.Namespace) -> int:
     say(f"testing with {python}")
     chosen = of_a_lesson(lesson, options.words[1:]) if lesson else options.words
     words = [*side_by_side(python, options.words), *chosen]
+    # The workers and a thousand programs would each compile anew what they import.
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     pytest = spawn([str(python), "-m", "pytest", *words], cwd=ROOT)
     try:
         return wait(pytest, "pytest")
