@@ -248,7 +248,7 @@ def compile_scripts(netmq: NetMQ, own: Sequence[Path], theirs: Sequence[Path] | 
         scripts = [path for path in [*own, *(theirs or ())] if path not in kit]
         words = [f"@{COMPILER}", f'-r:{alias}"{COMPILER.with_name("NetMQExample.dll")}"', f'-out:"{dll}"']
         compiler = COMPILER.read_text(encoding="utf-8").partition("\n")[0].lstrip("# ")
-        command = ["dotnet", compiler, "-noconfig", *words, names, *scripts]
+        command: list[str | Path] = ["dotnet", compiler, "-noconfig", *words, names, *scripts]
         return step("building your scripts", command, 500, ENVIRONMENT)
 
     sources = fingerprint(netmq, [CONSOLE, SUPPORT, PACKAGE, *own, *(theirs or ())])
