@@ -454,7 +454,6 @@ def merge(observations, *said):
 
 
 # As the page's table, which has the others.
-# As the page's table, which has the others.
 WRITTEN = [
     ("{'x': array([[0, 0], [0, 0]])}", "car@.x[0:2,1]", "[1, 2]", "{'x': array([[0, 1], [0, 2]])}"),
     ("{'x': array([0, 0])}", "car@.x = $(-1)", "array([[1, 2], [3, 4]])", "{'x': array([3, 4])}"),

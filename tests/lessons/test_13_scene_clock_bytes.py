@@ -1,4 +1,6 @@
-"""Records of the scene's clock against golden bytes, which the C# side has as well."""
+"""Records of the scene's clock against golden bytes. C# reads and writes the same: it plays with this Python in
+tests/unity/test_ml_agents_*.py, and here it refuses what Python does.
+"""
 
 import json
 import struct
@@ -28,7 +30,7 @@ from netmq_example.wire.records import (
     read,
 )
 from netmq_example.wire.sections import rewards, seeds
-from tests.programs import ROOT
+from tests.programs import ROOT, finished
 
 GOLDEN = json.loads((ROOT / "tests/lessons/golden/09_scene_clock.json").read_text())
 
@@ -148,6 +150,16 @@ def test_what_cannot_be():
     ):
         with pytest.raises(MessageError, match=r"^bad-record: "):
             read(frame[0], frame)
+
+
+def test_csharp_refuses_what_is_cut_and_what_cannot_be(checks):
+    asks = [one["frame"] for one in GOLDEN if one["frame"].startswith("03")]
+    # All begin anew by Python's clock, or with actions; nobody steps by Python's clock; a bit that is none.
+    heads = ((0x10, 0), (0x14, 1), (0x00, 0), (0x24, 0))
+    wrong = [f"03{bits:02x}{count:02x}0000000000010000000000000000000000000000".ljust(48, "0") for bits, count in heads]
+    wrong += [frame[:end] for frame in asks for end in range(2, len(frame), 2)]
+    done = finished(["dotnet", checks, "records", "rows"], input="\n".join(f"pair 1 {frame}" for frame in wrong))
+    assert done.stdout.splitlines() == ["error bad-record"] * len(wrong), done.stderr
 
 
 def test_who_has_ended_may_be_said_by_ids_alone():

@@ -1,4 +1,6 @@
-"""ML-Agents' shape in the player: the numbers of each sensor, actions, masks, and the names of fields in its scenes."""
+"""ML-Agents' shape in the player, and lesson 11's rays: the numbers of each sensor, actions, masks, and the names of
+fields in its scenes.
+"""
 
 from __future__ import annotations
 
@@ -38,6 +40,12 @@ BufferSensor [3, 2] 0 4,1: 0 0 0 0 0 0
 UnityAgentsException: BufferSensor was given a row of 1 numbers: its Observable Size is 2
 UnityAgentsException: AppendObservation was given Infinity: look for a division by 0 in the script
 UnityAgentsException: BufferSensor cannot be stacked: only vectors and pictures can
+Views:
+thin: 1 0 0 0.75 0 1 0 0.5 0 0 1 1
+thick: 1 0 0 0.625 0 1 0 0.375 0 0 1 1
+without layer 3: 1 0 0 0.75 0 0 1 1 0 0 1 1
+turned: 0 1 0 0.5 0 0 1 1 1 0 0 0.75
+small: 0 0 1 1 0 0 1 1 0 0 1 1
 Rays:
 RayPerceptionSensor [12] 0 1: 1 0 0 0.75 0 1 0 0.5 0 0 1 1
 RayPerceptionSensor [12] 0 1: 1 0 0 0.625 0 1 0 0.375 0 0 1 1

@@ -1,4 +1,4 @@
-// Prints what ML-Agents' sensors write, a line for each:
+// Prints what ML-Agents' sensors write, and lesson 11's rays, a line for each:
 //
 //     … play.dll mlsensors     numbers, actions and masks, and what is said of mistakes
 using System;
@@ -15,9 +15,9 @@ using NetMQExample.MLAgents.Sensors;
 using NetMQExample.MLAgents.Sensors.Reflection;
 using UnityEngine;
 using UnityPlayer;
-using static NetMQExample.PlayTest.Rays;
 using FrameBuffer = NetMQExample.FrameBuffer;
 using NetMQLifetime = NetMQExample.NetMQLifetime;
+using RayView = NetMQExample.RayView;
 
 // As a project's own: within NetMQExample, the lessons' names would go before ML-Agents'.
 namespace MlTest
@@ -29,7 +29,9 @@ namespace MlTest
         public static int Run()
         {
             var player = new Player(typeof(NetMQLifetime).Assembly);
-            var shows = new Action[] { Vectors, Buffers, Rays, Flat, Pictures, Textures, Lists, Actions, Settings };
+            var shows = new Action[] {
+                Vectors, Buffers, Views, Rays, Flat, Pictures, Textures, Lists, Actions, Settings,
+            };
             foreach (var show in shows)
             {
                 player.Begin(() =>
@@ -116,11 +118,40 @@ namespace MlTest
             Say(() => _ = new StackingSensor(sensor, 2));
         }
 
-        private static void Rays()
+        // A wall ahead at 3 m, and a coin to the right at 2 m.
+        private static void Room()
         {
             var wall = Thing(PrimitiveType.Cube, "wall", new Vector3(0, 0, 3.5f));
             wall.transform.localScale = new Vector3(20, 1, 1);
             Thing(PrimitiveType.Sphere, "coin", new Vector3(2.5f, 0, 0)).layer = 3;
+        }
+
+        private static void Views()
+        {
+            Room();
+            var car = new GameObject("car").transform;
+            View("thin", car, 0, -5);
+            View("thick", car, 0.5f, -5);
+            View("without layer 3", car, 0, ~(1 << 3));
+            car.rotation = Quaternion.Euler(0, 90, 0);
+            View("turned", car, 0, -5);
+            // Its own collider is around the place where rays begin.
+            car.rotation = Quaternion.identity;
+            car.gameObject.AddComponent<BoxCollider>();
+            car.localScale = new Vector3(0.25f, 0.25f, 0.25f);
+            View("small", car, 0, -5);
+        }
+
+        private static void View(string what, Transform car, float radius, int layers)
+        {
+            var seen = new float[12];
+            new RayView(car, 1, 90, 4, radius, layers, "wall", "coin").Observe(seen);
+            Console.WriteLine($"{what}: {Numbers(seen)}");
+        }
+
+        private static void Rays()
+        {
+            Room();
             var eye = Eye<RayPerceptionSensorComponent3D>("wall", "coin");
             var rays = (RayPerceptionSensor)eye.CreateSensors()[0];
             Look(rays);
@@ -330,6 +361,14 @@ namespace MlTest
             return thing;
         }
 
+        private static GameObject Thing(PrimitiveType type, string tag, Vector3 place)
+        {
+            var thing = GameObject.CreatePrimitive(type);
+            thing.name = thing.tag = tag;
+            thing.transform.position = place;
+            return thing;
+        }
+
         private static void Look(ISensor sensor)
         {
             sensor.Update();
@@ -349,8 +388,11 @@ namespace MlTest
             var kind = SensorRows.IsPicture(sensor) ? " uint8" : "";
             Console.WriteLine($"{sensor.GetName()} [{string.Join(", ", spec.Shape)}]{kind} "
                 + $"{(int)spec.ObservationType} {string.Join(",", meant)}: "
-                + string.Join(" ", numbers.Select(one => one.ToString("0.###", CultureInfo.InvariantCulture))));
+                + Numbers(numbers));
         }
+
+        private static string Numbers(IEnumerable<float> numbers) =>
+            string.Join(" ", numbers.Select(one => one.ToString("0.###", CultureInfo.InvariantCulture)));
 
         private static void Say(Action mistake)
         {

@@ -47,8 +47,6 @@ namespace NetMQExample.PlayTest
                 case "quiet": return Quiet.Run(words[1]);
                 case "cameras": return Cameras.Run();
                 case "pictures": return PictureCost.Run(words[1]);
-                case "frames": return ClockFrames.Print();
-                case "rays": return Rays.Run();
                 case "touches": return Touches.Run();
                 case "mlsensors": return MlTest.MlSensors.Run();
                 case "mlscene": return MlScene.Run(words[1]);
