@@ -34,7 +34,6 @@ class Walker:
     floats: int = 2
     branches: tuple[int, ...] = ()
     period: int = 1
-    offset: int = 0
     length: int = 0
     interrupted: bool = False
     group: int = 0
@@ -140,7 +139,7 @@ class Arena:
                 if walker.id < 0:
                     walker.id, self.ids = self.ids, self.ids + 1
                     walker.begin()
-            self.asking = [one for one in self.here() if self.ticks % one.period == one.offset]
+            self.asking = [one for one in self.here() if self.ticks % one.period == 0]
             if self.asking or self.ended:
                 ended, self.ended = self.ended, []
                 return ended, [Row(walker, records.WANTS) for walker in self.asking]
@@ -156,15 +155,15 @@ class Arena:
 class ArenaSimulator(SimulatorBase):
     """`channels` is a SideChannelManager; without one it answers no exchange of side channels."""
 
-    def __init__(self, arena, channels=None, clock="scene"):
+    def __init__(self, arena, channels=None):
         super().__init__(arena.name)
-        self.arena, self.channels, self.clock = arena, channels, clock
+        self.arena, self.channels = arena, channels
 
     def describe(self):
         self.arena.known, self.arena.ids = [], 0
         for walker in self.arena.walkers:
             walker.id = -1
-        values = {"name": self.name, "dt": 0.02, "record": 2, "clock": self.clock, "channels": bool(self.channels)}
+        values = {"name": self.name, "dt": 0.02, "record": 2, "clock": "scene", "channels": bool(self.channels)}
         return Message("hello", 0, values, [trees.array_of(trees.write({"kinds": []}))])
 
     def do(self, request):

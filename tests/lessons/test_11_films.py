@@ -52,7 +52,6 @@ def words(netmq, console):
 
 
 def test_a_script_of_gymize_films_a_game_and_its_play_ends_with_it(words, start, tmp_path, monkeypatch):
-    """Without a word of trouble."""
     monkeypatch.chdir(tmp_path)
     endpoint, views = steady_endpoint(), steady_endpoint()
     words += ["--GymManager.endpoint", endpoint, "--ViewRecorder.endpoint", views]
@@ -116,7 +115,6 @@ def show(counter):
 
 @pytest.fixture
 def make(counter, show, inside, make):
-    """An environment of that scene, whose views come as well."""
     socket = inside(SceneSimulator(Scene("Count", [counter], 0.1))).socket
 
     def made(kind=UnityGymEnv, shows=True, **words):

@@ -61,7 +61,6 @@ def test_an_agent_that_has_moved_runs_and_prints_what_the_page_says(run):
 
 
 def test_what_is_wrong_in_a_scene_is_said_once_and_the_rest_plays(run):
-    """And the environment hears what is sent to nobody."""
     printed, _, player = run("wrong", before_close='env.unwrapped.send_info("all", "")\n')
     assert printed == PARTS[""]
     player.wait_for("^heard all$")
@@ -159,7 +158,6 @@ def test_who_dies_keeps_its_last_reward_and_the_next_reset_brings_it_back(scene)
 
 @pytest.fixture
 def race(scene, make):
-    """Such a scene, and its environment."""
     pytest.importorskip("PIL", reason="the agent sees a PNG file: pip install pillow")
 
     def race(*how, **shown):

@@ -130,7 +130,6 @@ def spoiled(at_random, text):
 
 
 def test_both_languages_say_the_same_of_random_locators(csharp_says):
-    """Several golden ones in one, and half of them spoiled."""
     at_random = random.Random(11)
     short = [text for text, *_ in CASES if text is not None and len(text) < 200]
     right = [text for text in short if python_says(text)[0] == "ok"]

@@ -165,7 +165,6 @@ def vector(count=3, **more):
 
 
 def policies(seen):
-    """The actions of all cars by hand, together."""
     actions = [collector.policy(one) for one in iterate(batch_space(SPACES["observation_space"], 3), seen)]
     return concatenate(collector.ACTION, actions, create_empty_array(collector.ACTION, 3))
 
@@ -205,7 +204,6 @@ def test_pettingzoos_test_finds_nothing_by_attributes(make, world):
 
 @pytest.mark.filterwarnings("ignore:nothing writes")
 def test_sixteen_are_each_what_one_alone_is(make, world):
-    """Also where their forms differ, and where C# says the space."""
     one = make(env_name="World", launch=world("a"), **GIVEN)
     batch = batch_space(WHAT, 16)
     words = ["", "say x", "say x y", "value 3", "", "value 4", *[""] * 10]

@@ -45,7 +45,6 @@ PAGE = ROOT / "docs" / "guide" / "11_locators.md"
 
 
 def same(one, other):
-    """Equal, and of the same kinds."""
     if type(one) is not type(other):
         return False
     if isinstance(one, np.ndarray):
@@ -446,7 +445,6 @@ def test_reflection_finds_the_members_once_and_not_in_each_step(seen):
 
 
 def merge(observations, *said):
-    """One message of texts and values."""
     appended = set()
     for text, value in said:
         fit.merge(observations, locator.parse(text), value, appended)
@@ -643,7 +641,6 @@ def test_items_that_are_fitted_at_once_are_what_each_of_them_is_alone(feature, i
 
 
 def test_an_episode_without_a_coin_is_one(serve, connect):
-    """Not even to be seen."""
     server, endpoint = serve(KEY)
     socket = connect(endpoint)
     socket.send_multipart(SceneSimulator(Scene("Coins", [CoinCar()])).hello().frames())
@@ -759,7 +756,6 @@ class Sure(Car):
 
 
 def test_fields_are_seen_in_the_space_that_their_class_has(world):
-    """Python may leave it out, or say the same."""
     for words in ({"observation_space": None, "action_space": None}, {}):
         env = world(scene=seeing([1, 2], kind=Sure), **words)
         assert env.observation_space == Sure.observation
@@ -803,7 +799,6 @@ def test_an_action_is_the_value_that_it_is_however_it_is_written():
 
 
 def told(sight, *pairs):
-    """What is seen then, or what is wrong with it."""
     try:
         sight.read(*trees.parted(trees.write_pairs(list(pairs))))
         return sight.again()
@@ -812,7 +807,6 @@ def told(sight, *pairs):
 
 
 def spoil(seen):
-    """As the user of an observation may do."""
     for part in list(seen.values()) if isinstance(seen, dict) else seen if isinstance(seen, list | tuple) else ():
         spoil(part)
     if isinstance(seen, dict):

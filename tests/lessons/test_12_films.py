@@ -197,7 +197,6 @@ def game(films):
 
 
 def known(pixels):
-    """Which picture it is."""
     height, width, _ = pixels.shape
     return [number for number in range(6) if np.array_equal(pixels, picture(number, width, height))]
 
@@ -348,7 +347,6 @@ def peer(films, context):
 
 
 def begin(films, peer, **options):
-    """A film of a view of the peer."""
     thread = threading.Thread(target=films.begin_render, kwargs=options)
     thread.start()
     peer.begun()

@@ -97,7 +97,6 @@ class Filmer:
         self.peer, self.ids = b"", itertools.count(1)
 
     def next(self, *kinds):
-        """The next message of these kinds."""
         end = time.monotonic() + LIMIT
         while time.monotonic() < end:
             if self.socket.poll(100):

@@ -44,7 +44,6 @@ WRONG: dict[Any, list[Any]] = {
 
 
 def wrong_for(hint):
-    """Values of none of these types."""
     if hint in (Any, object):
         return []
     kinds = (

@@ -353,7 +353,6 @@ def test_a_project_moves_in_as_the_page_says(tmp_path, start, console, netmq):
 
 
 def test_the_pages_lines_drive_a_moved_scene_by_gymnasium(served):
-    """Their port is this test's own."""
     arena = Arena(Walker("Ball", period=5, length=12), name="Main")
     exec(BY_GYMNASIUM.replace("5004", f"{served(ArenaSimulator(arena), LIMIT)}"), {})
     # Its episodes have three decisions at most.

@@ -18,13 +18,7 @@ import numpy as np
 from gymnasium.spaces import Box, Dict, Discrete, MultiBinary, MultiDiscrete, Text, Tuple
 
 from netmq_example.mlagents_envs import environment
-from netmq_example.mlagents_envs.base_env import (
-    ActionTuple,
-    BaseEnv,
-    DimensionProperty,
-    ObservationType,
-    TerminalStep,
-)
+from netmq_example.mlagents_envs.base_env import ActionTuple, BaseEnv, DimensionProperty, ObservationType
 from netmq_example.mlagents_envs.environment import UnityEnvironment
 from netmq_example.mlagents_envs.exception import (
     UnityActionException,
@@ -35,12 +29,7 @@ from netmq_example.mlagents_envs.exception import (
     UnityTimeOutException,
     UnityWorkerInUseException,
 )
-from netmq_example.mlagents_envs.side_channel import (
-    EnvironmentParametersChannel,
-    SideChannelManager,
-    StatsSideChannel,
-)
-from netmq_example.mlagents_envs.unity_channels import EnvironmentParameters, StatsRecorder
+from netmq_example.mlagents_envs.side_channel import EnvironmentParametersChannel
 from netmq_example.scene import Agent, Scene, SceneSimulator
 from netmq_example.wire import trees
 from netmq_example.wire.records import IDS, MASKS
@@ -69,9 +58,9 @@ def connected(served):
 def arena(connected):
     """arena(*walkers): the environment of a world by the scene's clock, whose `arena` is at hand."""
 
-    def make(*walkers, channels=None, **more):
+    def make(*walkers, **more):
         world = Arena(*walkers)
-        env = connected(ArenaSimulator(world, channels), **more)
+        env = connected(ArenaSimulator(world), **more)
         env.arena = world
         return env
 
@@ -84,7 +73,7 @@ def ids(env, name=BALL):
     return list(now), list(over)
 
 
-# The scene's clock
+# The scene's clock. Who asks and ends, masks and groups are in tests/unity/test_ml_agents_*.py, with C#'s scene.
 
 
 def test_behaviors_are_what_the_scene_says(arena):
@@ -117,43 +106,6 @@ def test_pictures_have_their_channels_last_as_before_2024(arena):
     assert seen[0, 1, :, 0].tolist() == pytest.approx([0.6, 0.8, 1])
 
 
-def test_a_step_goes_on_until_somebody_asks_or_has_ended(arena):
-    env = arena(Walker("Ball", period=5, length=7), Walker("Ball", period=3))
-    env.reset()
-    assert ids(env) == ([0, 1], [])
-    trace = []
-    for _ in range(5):
-        env.step()
-        now, over = env.get_steps(BALL)
-        trace.append((list(now), now.reward.tolist(), list(over), over.reward.tolist()))
-    # A row's reward is what was earned since that agent's own last row; the end comes alone, and the new episode's
-    # first row when the agent asks.
-    assert trace == [
-        ([1], [3], [], []),
-        ([0], [5], [], []),
-        ([1], [3], [], []),
-        ([], [], [0], [2]),
-        ([1], [3], [], []),
-    ]
-    env.step()
-    assert env.get_steps(BALL)[0][0].reward == 3 and env.get_steps(BALL)[0].obs[0][0].tolist()[:2] == [0, 3]
-
-
-@pytest.mark.parametrize("interrupted", [False, True])
-def test_an_agent_may_have_ended_and_ask_in_one_step(interrupted, arena):
-    env = arena(Walker("Ball", length=2, interrupted=interrupted), Walker("Ball"))
-    env.reset()
-    env.step()
-    env.step()
-    now, over = env.get_steps(BALL)
-    assert (list(now), list(over)) == ([0, 1], [0]), "and it keeps its id"
-    one = over[0]
-    assert isinstance(one, TerminalStep) and (one.reward, one.interrupted, one.obs[0][0]) == (1, interrupted, 0)
-    assert now[0].reward == 0 and now.obs[0][:, 1].tolist() == [0, 2]
-    env.step()
-    assert ids(env) == ([0, 1], [])
-
-
 def test_actions_reach_those_who_asked_and_are_for_one_step(arena):
     walkers = [Walker("Ball", floats=2), Walker("Goal", team=1, floats=1, branches=(9, 2)), Walker("Ball", period=2)]
     env = arena(*walkers)
@@ -182,48 +134,6 @@ def test_actions_reach_those_who_asked_and_are_for_one_step(arena):
     assert mine.tolist() == [[1, 1], [1, 1]], "the caller's array is not changed"
 
 
-def test_masks_and_groups(arena):
-    env = arena(
-        Walker("Ball", floats=0, branches=(3, 2), forbidden=(1, 4), group=6, group_reward=-2.5, length=2),
-        Walker("Ball", floats=0, branches=(3, 2)),
-    )
-    env.reset()
-    now, _ = env.get_steps(BALL)
-    assert [mask.tolist() for mask in now.action_mask] == [
-        [[False, True, False], [False] * 3],
-        [[False, True], [False, False]],
-    ]
-    assert now.action_mask[0].dtype == bool
-    assert (now.group_id.tolist(), now.group_reward.tolist()) == ([6, 0], [-2.5, 0])
-    assert (now[0].group_id, now[0].group_reward, now[0].action_mask[1].tolist()) == (6, -2.5, [False, True])
-    env.step()
-    env.step()
-    over = env.get_steps(BALL)[1]
-    assert (over.group_id.tolist(), over.group_reward.tolist()) == ([6], [-2.5])
-    env = arena(Walker("Ball", floats=0, branches=(3,)))
-    env.reset()
-    now, _ = env.get_steps(BALL)
-    assert [mask.tolist() for mask in now.action_mask] == [[[False] * 3]]
-    assert (now.group_id.tolist(), now.group_reward.tolist()) == ([0], [0])
-
-
-def test_a_behavior_and_an_agent_may_come_later_and_leave(arena):
-    env = arena(Walker("Ball", leaves=4), Walker("Goal", team=1, comes=2), Walker("Ball", comes=3))
-    env.reset()
-    seen = env.behavior_specs
-    assert list(seen) == [BALL]
-    env.step()
-    env.step()
-    assert list(env.behavior_specs) == list(seen) == [BALL, GOAL] and ids(env, GOAL) == ([1], [])
-    env.step()
-    assert ids(env) == ([0, 2], [])
-    env.step()
-    now, over = env.get_steps(BALL)
-    assert (list(now), list(over), over.interrupted.tolist()) == ([2], [0], [False])
-    env.step()
-    assert ids(env) == ([2], [])
-
-
 def test_a_behavior_of_which_nobody_has_its_turn(arena):
     env = arena(Walker("Ball", period=3), Walker("Goal", team=1, floats=0, branches=(2,)))
     env.reset()
@@ -235,22 +145,6 @@ def test_a_behavior_of_which_nobody_has_its_turn(arena):
     with pytest.raises(IndexError, match=r"^agent 0 of Ball\?team=0 wants no action in this step$"):
         env.set_action_for_agent(BALL, 0, np.zeros((1, 2)))
     env.step()
-
-
-def test_side_channels_are_always_there(arena):
-    parameters, stats = EnvironmentParameters(), StatsRecorder()
-    world = SideChannelManager([parameters, stats])
-    settings, heard = EnvironmentParametersChannel(), StatsSideChannel()
-    env = arena(Walker("Ball"), channels=world, side_channels=[settings, heard])
-    settings.set_float_parameter("gravity", 2.5)
-    stats.add("score", 4)
-    env.reset()
-    assert parameters.get_with_default("gravity", 0) == 2.5
-    assert [value for value, _ in heard.get_and_reset_stats()["score"]] == [4]
-    settings.set_float_parameter("gravity", 3.5)
-    env.step()
-    assert parameters.get_with_default("gravity", 0) == 3.5
-    assert set(env._side_channel_manager._side_channels_dict) == {settings.channel_id, heard.channel_id}
 
 
 WITHOUT = """
@@ -604,10 +498,6 @@ def test_what_is_wrong_is_said_in_one_line(corridor, connected):
         env.set_actions(CORRIDOR, np.zeros((1, 3)))
     with pytest.raises(UnityActionException, match=r"^Corridor\?team=0 takes an ActionTuple, not \[\[1\], \[2, 3\]\]"):
         env.set_actions(CORRIDOR, [[1], [2, 3]])
-    with pytest.raises(UnityActionException, match="discrete actions are whole numbers of 32 bits"):
-        ActionTuple(discrete=np.array([[2**40]]))
-    with pytest.raises(IndexError, match="agent 7 of"):
-        env.set_action_for_agent(CORRIDOR, 7, np.zeros((1, 2)))
     env.set_actions(CORRIDOR, np.array([[0, 1.5]]))
     with pytest.raises(UnityActionException, match=r"1\.5.* not in Box"):
         env.step()

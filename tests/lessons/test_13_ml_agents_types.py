@@ -150,8 +150,9 @@ def test_an_action_has_the_half_that_is_not_given():
     whole = ActionTuple(discrete=[[1], [2]])
     assert (whole.continuous.shape, whole.discrete.tolist()) == ((2, 0), [[1], [2]])
     assert ActionTuple(discrete=np.array([[1.0]])).discrete.tolist() == [[1]]
-    with pytest.raises(UnityActionException, match=r"^discrete actions are whole numbers of 32 bits, not array"):
-        ActionTuple(discrete=np.array([[1.5]]))
+    for wrong in (1.5, 2**40):
+        with pytest.raises(UnityActionException, match=r"^discrete actions are whole numbers of 32 bits, not array"):
+            ActionTuple(discrete=np.array([[wrong]]))
 
     class LogProbabilities(_ActionTupleBase):
         discrete_dtype = np.float32
@@ -179,7 +180,6 @@ def test_all_of_it_can_be_pickled():
 
 
 def carried(sender, receiver):
-    """The messages that one has queued come to the other."""
     SideChannelManager([receiver]).process_side_channel_message(
         bytes(SideChannelManager([sender]).generate_side_channel_messages())
     )

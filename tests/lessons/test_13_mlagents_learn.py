@@ -470,45 +470,42 @@ def test_a_script_that_starts_lesson_09_in_csharp(training, console):
     assert SUMMARY.findall(training.run("--env=./game.sh", "--run-id=a"))
 
 
-# Two steer; whoever is higher in the tenth step has won.
-DUEL = """
-import sys
+# A scene by its own clock, whose walkers are a line of this test, and so is what a tick does.
+SCENE = """
+import os, sys
 from netmq_example.scene import EnvironmentClient
 from tests.lessons.scene_clock import Arena, ArenaSimulator, Walker
 
-class Duel(Arena):
+class World(Arena):
     def tick(self):
-        scores = {one.team: one.action[0][0] for one in self.walkers}
+        steered = {{one: one.action[0][0] for one in self.walkers}}
         super().tick()
-        for one in self.walkers:
-            one.earned = 0.0
-        for row in self.ended:
-            row.earned = 1.0 if scores[row.walker.team] > scores[1 - row.walker.team] else -1.0
+{tick}
 
-arena = Duel(*(Walker("Duel", team=team, length=10) for team in (0, 1)))
+arena = World({walkers})
 EnvironmentClient(sys.argv[sys.argv.index("--endpoint") + 1], timeout=60).run(ArenaSimulator(arena))
 """
+# Two steer; whoever is higher in the tenth step has won.
+DUEL = SCENE.format(
+    walkers='*(Walker("Duel", team=team, length=10) for team in (0, 1))',
+    tick="""        for one in self.walkers:
+            one.earned = 0.0
+        for row in self.ended:
+            row.earned = 1.0 if steered[row.walker] > min(steered.values()) else -1.0""",
+)
 SELF_PLAY = """
     self_play: {save_steps: 500, team_change: 1000, swap_steps: 300, window: 5, initial_elo: 1200.0}
 """
 # A group of three earns what they steer together.
-GROUP = """
-import sys
-from netmq_example.scene import EnvironmentClient
-from tests.lessons.scene_clock import Arena, ArenaSimulator, Walker
-
-class Team(Arena):
-    def tick(self):
-        together = sum(one.action[0][0] for one in self.walkers)
-        super().tick()
-        for one in self.walkers:
-            one.earned, one.group_reward = 0.0, together
+GROUP = SCENE.format(
+    walkers='*(Walker("Team", length=10, group=1) for _ in range(3))',
+    tick="""        for one in self.walkers:
+            one.earned, one.group_reward = 0.0, sum(steered.values())
         for row in self.ended:
-            row.earned = 0.0
-
-arena = Team(*(Walker("Team", length=10, group=1) for _ in range(3)))
-EnvironmentClient(sys.argv[sys.argv.index("--endpoint") + 1], timeout=60).run(ArenaSimulator(arena))
-"""
+            row.earned = 0.0""",
+)
+# It ends in the middle of its training.
+LOST = SCENE.format(walkers='Walker("Pole")', tick="        if self.ticks == 50:\n            os._exit(1)")
 
 
 @trains
@@ -528,20 +525,6 @@ def test_a_group_learns_together(training):
     assert last > first + 5
 
 
-# It ends in the middle of its training.
-LOST = """
-import os, sys
-from netmq_example.scene import EnvironmentClient
-from tests.lessons.scene_clock import Arena, ArenaSimulator, Walker
-
-class Ending(Arena):
-    def tick(self):
-        super().tick()
-        if self.ticks == 50:
-            os._exit(1)
-
-EnvironmentClient(sys.argv[sys.argv.index("--endpoint") + 1], timeout=60).run(ArenaSimulator(Ending(Walker("Pole"))))
-"""
 # As ML-Agents' recorder writes it: fifty steps, in which the pole is pushed to where it falls.
 DEMONSTRATION = """
 from netmq_example.mlagents_learn import take_place

@@ -232,7 +232,6 @@ def test_the_modules_need_no_library_to_be_imported():
 
 @pytest.fixture
 def zoo():
-    """The wrappers, where PettingZoo is."""
     pytest.importorskip("pettingzoo", reason="needs pettingzoo: pip install pettingzoo")
     turns, at_once = (importlib.import_module(f"{ENVS}.unity_{name}_env") for name in ("aec", "parallel"))
     return turns.UnityAECEnv, at_once.UnityParallelEnv
@@ -402,7 +401,6 @@ def added(x=0, y=1.0):
 
 @pytest.fixture
 def stacks(monkeypatch):
-    """Timers of nobody yet."""
     monkeypatch.setattr(timers, "STACKS", defaultdict(timers.TimerStack))
 
 

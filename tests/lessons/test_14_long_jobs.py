@@ -55,7 +55,6 @@ def work(monkeypatch):
 
 @pytest.mark.parametrize("kind", CLIENTS)
 def test_clients_in_a_terminal_and_in_unity(kind, serve, runs, peer):
-    """They say the same of the same job."""
     server, endpoint = serve(KEY, "--workers", "3")
     ended = peer(endpoint).goal("picture", 6)
     drawn = bytes(ended.result("succeeded").arrays[0].data)

@@ -47,7 +47,6 @@ def folder(tmp_path):
 
 @pytest.fixture
 def alice(folder):
-    """Her public key."""
     return keys.load(folder / "client.key")[0].decode()
 
 

@@ -116,7 +116,6 @@ class Editor:
     def do(self, what: str) -> list[str]:
         """One thing after the other; returns what was printed meanwhile."""
         before = len(self.program.lines)
-        assert self.program.process.stdin is not None
         self.program.process.stdin.write(f"{what}\n")
         self.program.process.stdin.flush()
         self.program.wait_for(f"^did {re.escape(what)}$", start=before)

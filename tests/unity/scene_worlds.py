@@ -6,11 +6,8 @@ run.step(7)
 assert run.told() == ["A init", …]
 """
 
-from __future__ import annotations
-
 import subprocess
-from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -34,12 +31,12 @@ class Row(NamedTuple):
 class Stage:
     """A program that plays one world after the other, in Plays that keep the statics; it begins anew after a fault."""
 
-    def __init__(self, harness: Path) -> None:
+    def __init__(self, harness):
         self.harness = harness
         self.program: Program | None = None
         self.playing = False
 
-    def begin(self, *words: str) -> None:
+    def begin(self, *words):
         if self.program is None or self.playing or self.program.ended:
             self.close()
             self.port = steady_port()
@@ -48,35 +45,34 @@ class Stage:
             self.program.wait_for("^ready$")
         self.playing = True
         self.said = len(self.program.lines)
-        assert self.program.process.stdin
         self.program.process.stdin.write(f"{'|'.join(['clock', *words, '--mlagents-port', str(self.port)])}\n")
         self.program.process.stdin.flush()
 
-    def end(self) -> list[str]:
+    def end(self):
         """All that was printed in this Play."""
-        assert self.program
         self.program.wait_for("^ready$", start=self.said)
         self.playing = False
         return self.program.lines[self.said :]
 
-    def close(self) -> None:
+    def close(self):
         if self.program:
             self.program.kill()
+            self.program.process.stdin.close()
 
 
 class World:
-    def __init__(self, stage: Stage, *words: str, **environment: Any) -> None:
+    def __init__(self, stage, *words, **environment):
         self.stage = stage
         # All that was printed, when Play is over.
         self.output = ""
         stage.begin(*words)
         self.env = UnityEnvironment(base_port=stage.port, **environment)
 
-    def reset(self) -> list[Row]:
+    def reset(self):
         self.env.reset()
         return self.rows()
 
-    def step(self, *numbers: float, choices: tuple[int, ...] = (), name: str = BALL) -> list[Row]:
+    def step(self, *numbers, choices=(), name=BALL):
         """The same action for all that want one; without it zeros."""
         if (numbers or choices) and (count := len(self.env.get_steps(name)[0])):
             action = ActionTuple(
@@ -86,7 +82,7 @@ class World:
         self.env.step()
         return self.rows(name)
 
-    def rows(self, name: str = BALL) -> list[Row]:
+    def rows(self, name=BALL):
         """Those that have ended, then those that want an action."""
         if name not in self.env.behavior_specs:
             return []
@@ -101,10 +97,10 @@ class World:
         ]
 
     @staticmethod
-    def firsts(steps: Any) -> list[float]:
+    def firsts(steps):
         return [row.flat[0] for row in steps.obs[0]] if steps.obs else [float("nan")] * len(steps)
 
-    def told(self) -> list[str]:
+    def told(self):
         """All that happened, when Play is over: Python's end ends it."""
         self.env.close()
         lines = self.stage.end()
@@ -112,12 +108,12 @@ class World:
         return told(lines)
 
 
-def alone(stage: Stage, *words: str) -> tuple[list[str], str]:
+def alone(stage, *words):
     """What happens without Python, and all that was printed."""
     stage.begin(*words)
     lines = stage.end()
     return told(lines), "\n".join(lines)
 
 
-def told(lines: list[str]) -> list[str]:
+def told(lines):
     return [line.removeprefix("| ") for line in lines if line.startswith("| ")]

@@ -2,13 +2,10 @@
 pictures back some frames later. tests/lessons/test_08_drive.py has what is the same for all clients.
 """
 
-from __future__ import annotations
-
 import contextlib
 import hashlib
 import re
-from collections.abc import Callable, Iterator
-from typing import Any
+from collections.abc import Callable
 
 import pytest
 import zmq
@@ -24,13 +21,11 @@ Drive = Callable[..., tuple[Driver, Program]]
 
 
 @pytest.fixture
-def drive(play: Callable[..., Program]) -> Iterator[Drive]:
+def drive(play):
     """Plays tests/unity/play/Drives.cs against a driver: drive(answer, "count=10", …)."""
     with zmq.Context() as context, contextlib.ExitStack() as drivers:
 
-        def start(
-            answer: Callable[[Any], dict[str, float]], *each: str, runtime: str = "dotnet"
-        ) -> tuple[Driver, Program]:
+        def start(answer, *each, runtime="dotnet"):
             driver = drivers.enter_context(driving(context, answer))
             # Patient: an answer that comes too late, on a busy machine, counts here and not there.
             patient = f"every=0 tries=100 timeout=60 endpoint={driver.endpoint}"
@@ -40,24 +35,24 @@ def drive(play: Callable[..., Program]) -> Iterator[Drive]:
         yield start
 
 
-def picture(frame: Any, camera: int = 0) -> Any:
+def picture(frame, camera=0):
     """Red, green and blue of each pixel, the top row first."""
     assert frame.values["bottom_up"] is True and frame.values["encoding"] == "raw"
     array = frame.arrays[camera]
     return np.frombuffer(bytes(array.data), np.uint8).reshape(240, 320, 4)[::-1, :, :3].astype(int)
 
 
-def is_road(pixels: Any) -> Any:
+def is_road(pixels):
     """Grass is green; neither tarmac nor paint is."""
     return pixels[..., 1] <= pixels[..., 0] + 10
 
 
-def test_the_car_goes_where_pythons_goes(drive: Drive) -> None:
+def test_the_car_goes_where_pythons_goes(drive):
     """Each place is compared to the last bit with that of a car of the test's own, and the picture is Unity's."""
     road = world.Road()
     car, places = world.Car.on(road), []
 
-    def answer(frame: Any) -> dict[str, float]:
+    def answer(frame):
         number = len(places)
         action = {"throttle": 0.8, "brake": 0.3 if number % 60 < 5 else 0.0, "steer": (number % 7 - 3) / 10}
         car.step(**action)
@@ -72,7 +67,7 @@ def test_the_car_goes_where_pythons_goes(drive: Drive) -> None:
     assert all(stands == "True" for *_, stands in found), "the object is where the drive's car is"
 
 
-def test_a_picture_is_upright_whatever_the_graphics_card_does(drive: Drive) -> None:
+def test_a_picture_is_upright_whatever_the_graphics_card_does(drive):
     """The same pictures where the card has the highest row first, and where it reads back only while Unity waits."""
     cards = ["", "topfirst", "noreadback", "topfirst noreadback"]
     driver, client = drive(lambda frame: {"steer": 0.3}, *(f"count=3 lockstep=true {card}" for card in cards))
@@ -85,7 +80,7 @@ def test_a_picture_is_upright_whatever_the_graphics_card_does(drive: Drive) -> N
     assert not (seen[-1] == (150, 190, 230)).all(axis=1).any() and is_road(seen[-1]).any(), "the ground"
 
 
-def test_what_is_written_beside_a_picture_belongs_to_it(drive: Drive) -> None:
+def test_what_is_written_beside_a_picture_belongs_to_it(drive):
     """It arrives two frames after it was rendered: the sky says when that was."""
     driver, client = drive(lambda frame: {}, "count=30 cameras=left,right numbered")
     assert client.wait() == 0, client.output
@@ -100,7 +95,7 @@ def test_what_is_written_beside_a_picture_belongs_to_it(drive: Drive) -> None:
     assert skipped == numbers[-1] - numbers[0] + 1 - 30
 
 
-def test_trouble_with_the_graphics_card_is_said_once(drive: Drive) -> None:
+def test_trouble_with_the_graphics_card_is_said_once(drive):
     _, client = drive(lambda frame: {}, "count=20 fail=5 lockstep=true", "count=20 fail=5", "nographics")
     assert client.wait() == 1, client.output
     trouble, again = "trouble: the graphics card gave no picture", "pictures again"
@@ -111,7 +106,7 @@ def test_trouble_with_the_graphics_card_is_said_once(drive: Drive) -> None:
     ]
 
 
-def test_a_person_takes_over_and_gives_back(drive: Drive) -> None:
+def test_a_person_takes_over_and_gives_back(drive):
     # In lock-step each step has a picture, and none has a dozen steps to itself on a busy machine.
     driver, client = drive(lambda frame: {"steer": 0.25}, "count=80 press=10 lockstep=true", runtime=NEAREST)
     assert client.wait() == 0, client.output
@@ -123,7 +118,7 @@ def test_a_person_takes_over_and_gives_back(drive: Drive) -> None:
     assert driver.frames[-1].values["steer"] == 0.25
 
 
-def test_down_brakes_while_the_car_rolls_and_then_drives_backwards(drive: Drive) -> None:
+def test_down_brakes_while_the_car_rolls_and_then_drives_backwards(drive):
     driver, client = drive(lambda frame: {"throttle": 1}, "count=120 down=30 lockstep=true")
     assert client.wait() == 0, client.output
     by_hand = [frame.values for frame in driver.frames if frame.values["manual"]]
@@ -134,13 +129,13 @@ def test_down_brakes_while_the_car_rolls_and_then_drives_backwards(drive: Drive)
     assert speeds[0] > 1 > 0.1 >= speeds[turn - 1] >= 0 > -0.5 > speeds[-1]
 
 
-def test_what_python_says_is_shown_in_the_inspector_and_logged_once(drive: Drive) -> None:
+def test_what_python_says_is_shown_in_the_inspector_and_logged_once(drive):
     _, client = drive(lambda frame: {"text": "go"} if frame.id % 2 else {}, "count=20 lockstep=true")
     assert client.wait() == 0, client.output
     assert client.lines.count("Python says go") == client.lines.count("the inspector shows go") == 1
 
 
-def test_a_sender_that_was_switched_off_begins_again(drive: Drive) -> None:
+def test_a_sender_that_was_switched_off_begins_again(drive):
     """A camera of one's own is the eye, also then, and goes on showing the game itself."""
     driver, client = drive(lambda frame: {}, "count=30 cameras=left,right disable=15 eye")
     assert client.wait() == 0, client.output
@@ -154,7 +149,7 @@ def test_a_sender_that_was_switched_off_begins_again(drive: Drive) -> None:
 
 
 @pytest.mark.xdist_group("times")
-def test_what_a_frame_costs(drive: Drive, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_a_frame_costs(drive, capsys):
     """The main thread's share but for rendering, which is the graphics card's; every picture is 320 x 240, raw."""
     _, client = drive(lambda frame: {}, "frames=60 count=100000 cameras=left,right")
     assert client.wait(120) == 0, client.output
@@ -166,9 +161,7 @@ def test_what_a_frame_costs(drive: Drive, capsys: pytest.CaptureFixture[str]) ->
 
 @pytest.mark.xdist_group("times")
 @pytest.mark.parametrize("runtime", ["dotnet", "mono"])
-def test_a_picture_and_its_action_leave_nothing_to_collect(
-    play: Callable[..., Program], runtime: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_picture_and_its_action_leave_nothing_to_collect(play, runtime, capsys):
     """On the network thread, with another number in each field of the action."""
     with zmq.Context() as context, driving(context, lambda frame: {"steer": 0.001 * (frame.id % 900)}) as driver:
         program = play("pictures", driver.endpoint, runtime=runtime)
@@ -182,7 +175,7 @@ def test_a_picture_and_its_action_leave_nothing_to_collect(
     assert float(steer) == pytest.approx(0.001 * (driver.frames[-1].id % 900), abs=1e-9)
 
 
-def test_a_view_is_upright_and_leaves_nothing(play: Callable[..., Program]) -> None:
+def test_a_view_is_upright_and_leaves_nothing(play):
     """Its camera sees one layer, on which nothing is by itself; and a new picture can go where the last one was.
 
     A sensor that is started twice is one.

@@ -1,20 +1,15 @@
 """Application 20 in the player: axes and smoothing to the bit on each runtime, the avatar, and what a frame costs."""
 
-from __future__ import annotations
-
 import importlib
 import math
 import re
 import sys
-from collections.abc import Callable, Iterator
-from pathlib import Path
-from typing import Any
 
 import pytest
 import zmq
 
 from netmq_example.body import listener as body_listener
-from tests.programs import ROOT, Program, leaves_nothing_to_collect
+from tests.programs import ROOT, leaves_nothing_to_collect
 from tests.unity.conftest import NEAREST
 
 sys.path.append(str(ROOT / "python" / "20_body_tracking"))
@@ -25,12 +20,12 @@ GERMAN = {"LANG": "de_DE.UTF-8", "LC_ALL": "de_DE.UTF-8"}
 CUTOFF, BETA, FASTEST = 1.5, 5.0, 6.0
 
 
-def message(number: int, body: Any, person: int = 0) -> str:
+def message(number, body, person=0):
     numbers = [f"{value:.3f}" for landmark in body for value in landmark]
     return " ".join([f"pose/{person}/ {number} {number / 30:.3f}", *numbers])
 
 
-def walk(person: int = 0) -> list[Any]:
+def walk(person=0):
     """To the millimetre, as it is published."""
     bodies = [there[person] for _, there in walker.persons()]
     return [[tuple(round(value, 3) for value in landmark) for landmark in body] for body in bodies]
@@ -39,11 +34,11 @@ def walk(person: int = 0) -> list[Any]:
 class Filter:
     """The One Euro filter as its paper has it, with a limit of speed: written for this test, number by number."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         self.values: list[float] = []
         self.speeds: list[float] = []
 
-    def step(self, target: list[float], dt: float) -> list[float]:
+    def step(self, target, dt):
         if not self.values:
             self.values, self.speeds = list(target), [0.0] * len(target)
         for i, wanted in enumerate(target):
@@ -54,15 +49,13 @@ class Filter:
         return self.values
 
 
-def share(frequency: float, dt: float) -> float:
+def share(frequency, dt):
     turned = 2 * math.pi * frequency * dt
     return turned / (turned + 1)
 
 
 @pytest.mark.parametrize("runtime", ["mono", "dotnet"])
-def test_axes_angles_and_smoothing_are_the_same_numbers_everywhere(
-    runtime: str, play: Callable[..., Program], tmp_path: Path
-) -> None:
+def test_axes_angles_and_smoothing_are_the_same_numbers_everywhere(runtime, play, tmp_path):
     """To the bit, but for the angle, whose arc cosine each runtime has its own of; and on a German machine."""
     corner = [(0.001 * i, 0.25, -0.5, 0.75) for i in range(33)]
     corner[24], corner[26], corner[28] = (0, 0, 0, 1), (0, 0.4, 0, 1), (0, 0.4, -0.3, 1)
@@ -110,7 +103,7 @@ def test_axes_angles_and_smoothing_are_the_same_numbers_everywhere(
 
 
 @pytest.fixture
-def stage() -> Iterator[tuple[zmq.Socket[bytes], str]]:
+def stage():
     """A publisher of the test's own, which sees subscriptions come; and where it is."""
     with zmq.Context() as context, context.socket(zmq.XPUB) as stream:
         stream.linger = 0
@@ -118,7 +111,7 @@ def stage() -> Iterator[tuple[zmq.Socket[bytes], str]]:
         yield stream, f"endpoint=tcp://127.0.0.1:{port}"
 
 
-def publish(stream: zmq.Socket[bytes], bodies: list[Any], first: int, program: Program) -> None:
+def publish(stream, bodies, first, program):
     """One pose after the other, each once the script has logged the one before it: so none is skipped."""
     for number, body in enumerate(bodies, first):
         begin = len(program.lines)
@@ -126,9 +119,7 @@ def publish(stream: zmq.Socket[bytes], bodies: list[Any], first: int, program: P
         program.wait_for(f"^person 0: pose {number}, ", start=begin)
 
 
-def test_an_avatar_does_what_the_person_does(
-    play: Callable[..., Program], stage: tuple[zmq.Socket[bytes], str]
-) -> None:
+def test_an_avatar_does_what_the_person_does(play, stage):
     """Each limb points where its landmarks say; hips, chest and face look where the person's do, and the knees too."""
     stream, endpoint = stage
     # Turned half to the side in mid-step, and as it comes.
@@ -145,7 +136,7 @@ def test_an_avatar_does_what_the_person_does(
     }
     places = [(x, -y, z) for x, y, z, _ in body]
 
-    def between(a: int, b: int) -> Any:
+    def between(a, b):
         way = [there - here for here, there in zip(places[a], places[b], strict=True)]
         return pytest.approx([part / math.hypot(*way) for part in way], abs=2e-3)
 
@@ -175,16 +166,14 @@ def test_an_avatar_does_what_the_person_does(
         ("character=none", "PoseAvatar: drag a character into its field"),
     ],
 )
-def test_what_an_avatar_lacks_is_said_once_with_its_cure(lacks: str, said: str, play: Callable[..., Program]) -> None:
+def test_what_an_avatar_lacks_is_said_once_with_its_cure(lacks, said, play):
     program = play("body", "endpoint=tcp://127.0.0.1:9", lacks, "timeout=0.3")
     program.wait_for("^trouble: nothing from ")
     assert sum(line.endswith(said) for line in program.lines) == 1, program.output
     assert "NullReference" not in program.output
 
 
-def test_a_restart_of_the_server_makes_no_jump(
-    play: Callable[..., Program], stage: tuple[zmq.Socket[bytes], str]
-) -> None:
+def test_a_restart_of_the_server_makes_no_jump(play, stage):
     """After it the person stands two metres away: the body gets there, and no joint is faster than the limit."""
     stream, endpoint = stage
     body = walk()[0]
@@ -199,9 +188,7 @@ def test_a_restart_of_the_server_makes_no_jump(
 
 
 @pytest.mark.xdist_group("times")
-def test_what_a_frame_costs(
-    play: Callable[..., Program], serve: Callable[..., Any], capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_a_frame_costs(play, serve, capsys):
     """A second of a person as avatar and skeleton at once."""
     _, endpoint = serve("20_body_tracking")
     program = play("body", f"endpoint={endpoint}", "count=0", "every=0", "frames=60")
@@ -212,7 +199,7 @@ def test_what_a_frame_costs(
     assert leaves_nothing_to_collect(cost), cost
 
 
-def test_a_skeleton_shows_a_hand(play: Callable[..., Program], stage: tuple[zmq.Socket[bytes], str]) -> None:
+def test_a_skeleton_shows_a_hand(play, stage):
     """21 spheres, and lines that reach each of them from the wrist; the avatar says that it wants a person."""
     stream, endpoint = stage
     program = play("body", endpoint, "hand=right", "count=1", "every=1", "timeout=60")

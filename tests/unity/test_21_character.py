@@ -1,18 +1,11 @@
 """Application 21 in the player: a game asks what it likes, and to walk away is a distance."""
 
-from __future__ import annotations
-
 import re
-from collections.abc import Callable
-from typing import Any
 
 from tests.lessons.test_21_talking_character import KEY, PROMPT, small_talk
-from tests.programs import Program
 
 
-def test_a_game_asks_what_it_likes_and_to_walk_away_is_a_distance(
-    serve: Callable[..., Any], play: Callable[..., Program]
-) -> None:
+def test_a_game_asks_what_it_likes_and_to_walk_away_is_a_distance(serve, play):
     """Its next question ends the one before. tests/unity/play/Visitor.cs asks."""
     server, endpoint = serve(KEY, "--delay", "0.2")
     player = play("play", "Visitor", endpoint, "1")

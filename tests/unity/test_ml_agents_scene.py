@@ -4,15 +4,13 @@ Expectations are derived from ML-Agents 3.0.0's source: VectorSensor, StackingSe
 is of 2020 from Agent.deprecated.cs of 2.0.
 """
 
-from __future__ import annotations
-
 import pytest
 
 np = pytest.importorskip("numpy", reason="ML-Agents' shape needs numpy: pip install numpy")
-from tests.unity.scene_worlds import BALL, World  # noqa: E402
+from tests.unity.scene_worlds import BALL  # noqa: E402
 
 
-def seen(run: World, at: int = 0) -> list[list[float]]:
+def seen(run, at=0):
     """Of those that have ended, then of those that want an action."""
     decisions, ended = run.env.get_steps(BALL)
     return [*ended.obs[at].tolist(), *decisions.obs[at].tolist()]
@@ -68,10 +66,11 @@ def test_a_mask_is_of_the_next_decision_alone_and_not_applied_to_what_python_sen
     run = world("A period=1 branches=3x2", "B period=1 branches=3x2", "A mask 1: forbid 0 1, forbid-all 1 0")
     run.reset()
 
-    def masks() -> list[list[list[bool]]]:
+    def masks():
         return [one.tolist() for one in run.env.get_steps(BALL)[0].action_mask]
 
     nothing = [False, False, False]
+    assert run.env.get_steps(BALL)[0].action_mask[0].dtype == bool
     assert masks() == [[[False, True, False], nothing], [[True, False], [False, False]]]
     run.step(choices=(1, 0))
     assert masks() == [[nothing, nothing], [[False, False], [False, False]]]

@@ -2,14 +2,7 @@
 fields in its scenes.
 """
 
-from __future__ import annotations
-
-from collections.abc import Callable
-from pathlib import Path
-
 import pytest
-
-from tests.programs import Program
 
 # The output of the program, part by part. All numbers were worked out by hand, from ML-Agents' source 3.0.0.
 PRINTED = """
@@ -127,7 +120,7 @@ and give mlagents_learn their .demo files
 """.strip().split("\n")
 
 
-def test_what_sensors_write_and_what_is_said_of_mistakes(play: Callable[..., Program]) -> None:
+def test_what_sensors_write_and_what_is_said_of_mistakes(play):
     program = play("mlsensors")
     assert program.wait() == 0, program.output
     assert [line.rstrip() for line in program.lines[:-1]] == PRINTED
@@ -290,7 +283,7 @@ SCENES = {
 
 
 @pytest.mark.parametrize("era", SCENES)
-def test_scenes_of_three_eras_keep_their_values(play: Callable[..., Program], tmp_path: Path, era: str) -> None:
+def test_scenes_of_three_eras_keep_their_values(play, tmp_path, era):
     scene, expected, component = [], [], ""
     for line in SCENES[era].strip().split("\n"):
         field, *said = line.split("  # ")
@@ -332,7 +325,7 @@ ball: off
 """.strip().split("\n")
 
 
-def test_the_player_tells_scripts_what_they_touch(play: Callable[..., Program]) -> None:
+def test_the_player_tells_scripts_what_they_touch(play):
     program = play("touches")
     assert program.wait() == 0, program.output
     assert program.lines == TOUCHED

@@ -1,7 +1,5 @@
 """Many agents in a scene: the terminal's numbers, and one step of physics for all of them."""
 
-from __future__ import annotations
-
 import sys
 from typing import Any
 

@@ -6,8 +6,6 @@ each Play has an AppDomain of its own, and without one, the default since Unity 
 On .NET there is only what its own code is for, and what Debian's Mono cannot run.
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 import re
@@ -67,7 +65,6 @@ class Editor:
 
     def press(self, button, answer=""):
         pipe = self.program.process.stdin
-        assert pipe
         pipe.write(f"{button}\n")
         pipe.flush()
         return self.wait_for(answer) if answer else None
@@ -83,7 +80,6 @@ class Editor:
         self.starts.append(1000 * (time.monotonic() - began))
 
     def stop(self):
-        """Stop, and look at what is left."""
         self.stop_in_time()
         self.nothing_left()
 

@@ -90,7 +90,6 @@ class Chromium:
         return page
 
     def call(self, method, session=None, limit=LIMIT, **parameters):
-        """One command of the protocol, and its result; what happened meanwhile is kept."""
         self.number += 1
         message = {"id": self.number, "method": method, "params": parameters}
         data = json.dumps({**message, **({"sessionId": session} if session else {})}).encode() + b"\0"
@@ -104,7 +103,6 @@ class Chromium:
                 return answer["result"]
 
     def receive(self, deadline, why):
-        """The next message, whatever it is."""
         while b"\0" not in self.received:
             ready, _, _ = select.select([self.into], [], [], max(0.0, deadline - time.monotonic()))
             assert ready, f"Chromium was silent: {why}"
@@ -144,13 +142,11 @@ class Page:
         self.wait_for("document.readyState === 'complete'")
 
     def evaluate(self, expression):
-        """The value of a JavaScript expression; of a promise what it becomes."""
         done = self.call("Runtime.evaluate", expression=expression, awaitPromise=True, returnByValue=True)
         assert "exceptionDetails" not in done, f"{expression}: {done['exceptionDetails']}"
         return done["result"].get("value")
 
     def wait_for(self, expression, limit=LIMIT):
-        """The value of an expression once it is true."""
         deadline = time.monotonic() + limit
         while not (value := self.evaluate(expression)):
             if time.monotonic() > deadline:

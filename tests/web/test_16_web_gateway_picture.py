@@ -1,7 +1,5 @@
 """Lesson 16's picture in a real browser: the tap's page, live and as a recording."""
 
-from __future__ import annotations
-
 import asyncio
 import contextlib
 import json

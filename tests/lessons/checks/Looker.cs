@@ -2,8 +2,7 @@ using System;
 using NetMQExample;
 using UnityEngine;
 
-// A cube that goes to the right, a step at a time, and two cameras that see it. By the name "alone" it gives none of
-// them to the recorder.
+// A cube that goes to the right, a step at a time, and two cameras that see it.
 public sealed class Looker : Agent
 {
     [Discrete] private int steps;
@@ -15,8 +14,7 @@ public sealed class Looker : Agent
         {
             var camera = new GameObject(name).AddComponent<Camera>();
             camera.transform.position = new Vector3(0, 0, away);
-            if (Name != "alone") GetComponent<ViewRecorder>().Cameras.Add(camera);
-            else if (name == "Main Camera") camera.gameObject.tag = "MainCamera";
+            GetComponent<ViewRecorder>().Cameras.Add(camera);
         }
     }
 

@@ -70,7 +70,6 @@ namespace MLAgentsWorlds
                 case "request": agent.RequestAction(); break;
                 case "on": agent.gameObject.SetActive(true); break;
                 case "off": agent.gameObject.SetActive(false); break;
-                case "destroy": Object.Destroy(agent.gameObject); break;
                 case "copy": Told.Write($"copied {Object.Instantiate(agent.gameObject).name}"); break;
                 case "make":
                     Worlds.Make(words[1]);
