@@ -304,6 +304,9 @@ def test_what_no_message_takes_is_refused_before_it_is_sent(value, code):
         assert refusal.value.code == code
 
 
+TWO, LINKED = spaces.Discrete(2), spaces.GraphInstance([1], [1], [[0, 1]])
+
+
 @pytest.mark.parametrize(
     ("space", "value", "said"),
     [
@@ -311,20 +314,12 @@ def test_what_no_message_takes_is_refused_before_it_is_sent(value, code):
         (spaces.Box(0, 255, (1,), np.uint8), [300], "x: list [300] is not in Box(0, 255, (1,), uint8)"),
         (spaces.Discrete(3), 0.5, "x: float 0.5 is not in Discrete(3)"),
         (spaces.Text(2), "abc", "x: str 'abc' is not in Text"),
-        (spaces.Dict(a=spaces.Discrete(2)), {"a": 2}, "x['a']: int 2 is not in Discrete(2)"),
-        (spaces.Dict(a=spaces.Discrete(2)), {"a": 1, "b": 1}, "x: dict {'a': 1, 'b': 1} is not in Dict"),
-        (spaces.Sequence(spaces.Discrete(2)), [1, 5], "x[1]: int 5 is not in Discrete(2)"),
-        (spaces.Sequence(spaces.Discrete(2)), "10", "x: str '10' is not in Sequence"),
-        (
-            spaces.Sequence(spaces.Dict(a=spaces.Discrete(2), b=spaces.Discrete(2)), stack=True),
-            {"a": [1]},
-            "x: dict {'a': [1]} is not in Sequence",
-        ),
-        (
-            spaces.Graph(spaces.Discrete(2), spaces.Discrete(2)),
-            spaces.GraphInstance([1], [1], [[0, 1]]),
-            "x: GraphInstance GraphInstance(nodes=[1], edges=[1], edge_links=[[0, 1]]) is not in Graph",
-        ),
+        (spaces.Dict(a=TWO), {"a": 2}, "x['a']: int 2 is not in Discrete(2)"),
+        (spaces.Dict(a=TWO), {"a": 1, "b": 1}, "x: dict {'a': 1, 'b': 1} is not in Dict"),
+        (spaces.Sequence(TWO), [1, 5], "x[1]: int 5 is not in Discrete(2)"),
+        (spaces.Sequence(TWO), "10", "x: str '10' is not in Sequence"),
+        (spaces.Sequence(spaces.Dict(a=TWO, b=TWO), stack=True), {"a": [1]}, "x: dict {'a': [1]} is not in Sequence"),
+        (spaces.Graph(TWO, TWO), LINKED, f"x: GraphInstance {LINKED} is not in Graph"),
     ],
 )
 def test_what_does_not_fit_its_space_is_named_with_its_place(space, value, said):
@@ -580,7 +575,7 @@ def seeing(*values, kind=Car):
 
 
 PLACE = "@['x'] = $"
-X, TWO = f'["{PLACE}",%s]', '"float32[2]"'
+X, FLOATS = f'["{PLACE}",%s]', '"float32[2]"'
 
 
 @pytest.mark.parametrize(
@@ -591,9 +586,9 @@ X, TWO = f'["{PLACE}",%s]', '"float32[2]"'
         *((tree(f"[{X % form}]"), "bad-tree") for form in ("5", '"float16[2]"', "[" * 65 + "]" * 65)),
         (b"\1\0", "bad-tree: .* too early"),
         (struct.pack("<I", 9) + b"[]", "bad-tree: .* too early"),
-        (tree(f"[{X % TWO}]", bytes(7)), "bad-observation: it is cut short"),
-        (tree(f"[{X % TWO}]", bytes(9)), "bad-observation: more follows what was seen"),
-        (tree(f"[{X % TWO},{X % TWO}]", bytes(17)), "bad-observation: more follows what was seen"),
+        (tree(f"[{X % FLOATS}]", bytes(7)), "bad-observation: it is cut short"),
+        (tree(f"[{X % FLOATS}]", bytes(9)), "bad-observation: more follows what was seen"),
+        (tree(f"[{X % FLOATS},{X % FLOATS}]", bytes(17)), "bad-observation: more follows what was seen"),
         (tree("[[\"'agent'@['x'\",\"null\"]]"), "bad-observation: .* column 13"),
     ],
 )
@@ -815,23 +810,17 @@ def spoil(seen):
         seen[...] = 1
 
 
+STACK = spaces.Sequence(spaces.Dict(a=ONE, b=TWO), stack=True)
 ODD = {
-    "links that are text": (GRAPH, spaces.GraphInstance(NODES, EDGES, "x"), "not-in-space: 'agent'@"),
-    "links too large": (GRAPH, spaces.GraphInstance(NODES, EDGES, [2**52]), "not-in-space: 'agent'@"),
-    "links with a fraction": (
-        GRAPH,
-        spaces.GraphInstance(NODES, EDGES, np.array([[0, 0.7]])),
-        "not-in-space: 'agent'@",
-    ),
+    **{
+        f"links that are {what}": (GRAPH, spaces.GraphInstance(NODES, EDGES, links), "not-in-space: 'agent'@")
+        for what, links in (("text", "x"), ("too large", [2**52]), ("fractions", np.array([[0, 0.7]])))
+    },
     "a whole number that no float has": (ONE, [2**24 + 1, 0], "bad-observation: .*would become another number"),
-    "too many": (spaces.Sequence(spaces.Discrete(2)), np.zeros(200_000, np.int64), "too-many: 'agent'@.*200000 items"),
+    "too many": (spaces.Sequence(TWO), np.zeros(200_000, np.int64), "too-many: 'agent'@.*200000 items"),
     "another kind of what a OneOf has": (spaces.OneOf([ONE, spaces.Text(9)]), (1, "text"), None),
-    "whole numbers of 32 bits": (spaces.Dict(a=NARROW, b=spaces.Discrete(2)), None, None),
-    "a stack of dicts as a list": (
-        spaces.Sequence(spaces.Dict(a=ONE, b=spaces.Discrete(2)), stack=True),
-        [{"a": np.ones(2), "b": 1}] * 3,
-        None,
-    ),
+    "whole numbers of 32 bits": (spaces.Dict(a=NARROW, b=TWO), None, None),
+    "a stack of dicts as a list": (STACK, [{"a": np.ones(2), "b": 1}] * 3, None),
     "a number for a text": (spaces.Text(9), 5, None),
     "a dict for a sequence": (spaces.Sequence(spaces.Text(9)), {"a": 1}, "not-in-space|bad-observation"),
     "no number of a OneOf": (spaces.OneOf([ONE]), [NODES, NODES], r"not-in-space: 'agent'@\['x'\]\[0\]: "),

@@ -6,7 +6,7 @@ import types
 import typing
 import warnings
 from collections.abc import Callable
-from typing import Any
+from typing import Any, get_type_hints
 
 import pytest
 
@@ -46,11 +46,8 @@ WRONG: dict[Any, list[Any]] = {
 def wrong_for(hint):
     if hint in (Any, object):
         return []
-    kinds = (
-        typing.get_args(hint)
-        if isinstance(hint, types.UnionType) or typing.get_origin(hint) is typing.Union
-        else [hint]
-    )
+    is_union = isinstance(hint, types.UnionType) or typing.get_origin(hint) is typing.Union
+    kinds = typing.get_args(hint) if is_union else [hint]
     found = [object(), *([] if type(None) in kinds else [None])]
     return found + [value for kind in kinds for value in WRONG.get(typing.get_origin(kind) or kind, [])]
 
@@ -78,7 +75,7 @@ def with_films(do):
 
 
 def of_class(kind):
-    return typing.get_type_hints(kind.__init__)
+    return get_type_hints(kind.__init__)
 
 
 NO_SPACES: dict[str, list[Any]] = {f"{name}_spaces": [{}, {"a": 5}, {5: None}] for name in ("observation", "action")}
@@ -92,16 +89,13 @@ VIEWS: dict[str, list[Any]] = {
     "view_endpoint": ["nonsense"],
     "fleet": [0, NOWHERE],
 }
+VECTOR = {**VIEWS, "num_envs": [0], "max_episode_steps": [0], "autoreset_mode": ["same"]}
 PICTURES = [None, NAN, "", PIXELS[0, 0], PIXELS[:0], PIXELS / 1, PIXELS[:1]]
+VIEW: dict[str, list[Any]] = {"name": ["bad/name", ""], "width": [0, 2**23]}
 # What is called, its other words, and more that it cannot use; of what only those are for, there are no hints.
 CALLS: list[tuple[Any, dict[str, Any], dict[str, list[Any]], dict[str, Any]]] = [
     (UnityGymEnv, SOON, VIEWS, of_class(UnityGymEnv)),
-    (
-        UnityVectorEnv,
-        {**SOON, "num_envs": 2},
-        {**VIEWS, "num_envs": [0], "max_episode_steps": [0], "autoreset_mode": ["same"]},
-        of_class(UnityVectorEnv),
-    ),
+    (UnityVectorEnv, {**SOON, "num_envs": 2}, VECTOR, of_class(UnityVectorEnv)),
     (UnityParallelEnv, SOON, VIEWS | NO_SPACES, of_class(UnityParallelEnv)),
     (UnityAECEnv, {}, {"env_name": [""]}, {}),
     (Simulators, {}, {"launch": [["game", None], [""], []], "endpoint": ["here"]}, of_class(Simulators)),
@@ -112,30 +106,25 @@ CALLS: list[tuple[Any, dict[str, Any], dict[str, list[Any]], dict[str, Any]]] = 
         EnvironmentClient(NOWHERE).run,
         {"simulator": SceneSimulator(Pursuit())},
         {},
-        typing.get_type_hints(EnvironmentClient.run),
+        get_type_hints(EnvironmentClient.run),
     ),
     (Scene, {"name": "A", "agents": [Agent("a")]}, {"agents": [[5], [Agent], ""]}, of_class(Scene)),
     (Agent, {}, {"name": ["", 0]}, {}),
     (Obs, {}, {}, of_class(Obs)),
-    (parse, {"text": "a@"}, {}, typing.get_type_hints(parse)),
+    (parse, {"text": "a@"}, {}, get_type_hints(parse)),
     (draws, {"seed": 0}, {"seed": [2**64]}, {}),
-    (train, {"play_all": len, "seed": 1, "generations": 1}, {}, typing.get_type_hints(train)),
+    (train, {"play_all": len, "seed": 1, "generations": 1}, {}, get_type_hints(train)),
     (play, {"env": None, "seed": 1}, {"policy": [None, "", [1, 2]]}, {}),
     (Films, {"endpoint": "tcp://127.0.0.1:*"}, {"endpoint": ["nonsense"], "timeout": [0]}, of_class(Films)),
     (
         lambda **words: with_films(lambda films: films.begin_render(**words)),
         {},
         {"view": [b"a"], "path": [0], "width": [2**70], "fps": [0, ""]},
-        typing.get_type_hints(Films.begin_render),
+        get_type_hints(Films.begin_render),
     ),
     (lambda seconds: with_films(lambda films: films.wait(seconds)), {}, {}, {"seconds": float}),
     (ViewFilm, {"path": None, "fps": 25}, {"view": [0, None, b"x"]}, {}),
-    (
-        FilmView,
-        {"name": "one", "width": 8, "height": 8},
-        {"name": ["bad/name", ""], "width": [0, 2**23]},
-        of_class(FilmView),
-    ),
+    (FilmView, {"name": "one", "width": 8, "height": 8}, VIEW, of_class(FilmView)),
     (ViewSender, {"endpoint": NOWHERE}, {"endpoint": ["tcp://127.0.0.1:0"]}, of_class(ViewSender)),
     (
         film_writer.open_film,
@@ -188,11 +177,8 @@ def test_what_cannot_be_used_is_named_in_one_line(call, words, more, hints, tmp_
                 odd.append(f"{name}={value!r:.40} is accepted")
             except Exception as error:
                 said = str(error)
-                if (
-                    not isinstance(error, (ValueError, TypeError))
-                    or not any(one in said for one in SAYS.get(name, name).split("|"))
-                    or "\n" in said
-                ):
+                named = any(one in said for one in SAYS.get(name, name).split("|"))
+                if not isinstance(error, (ValueError, TypeError)) or not named or "\n" in said:
                     odd.append(f"{name}={value!r:.40}: {said}")
     assert not odd, "\n".join(odd)
     gc.collect()

@@ -74,53 +74,21 @@ def records():
         clocked(ASKS, 1, said=trees.write({"seed": 7}), bits=ANEW),
     )
     yield "another reset", clocked(ASKS, 2, exchange=b"told", bits=ANEW)
-    yield (
-        "two kinds come, and two of the first and one of the second want an action",
-        clocked(
-            ANSWERS,
-            1,
-            [
-                wanting(
-                    0,
-                    [0, 2],
-                    [0.0, 0.5],
-                    floats(1, 2, 3) + bytes([0, 85, 170, 255]) + floats(-1, 0.25, 0) + bytes([1, 2, 3, 4]),
-                    GROUPS | MASKS,
-                    groups=whole(0, 3) + floats(0, -1.5),
-                    masks=bytes([0, 1, 0, 0, 0, 0, 0, 0, 0, 1]),
-                ),
-                wanting(1, [1], [0.0], floats(9)),
-            ],
-            said=trees.write({"kinds": [BALL, GOAL]}),
-        ),
-    )
+    seen = floats(1, 2, 3) + bytes([0, 85, 170, 255]) + floats(-1, 0.25, 0) + bytes([1, 2, 3, 4])
+    groups, masks = whole(0, 3) + floats(0, -1.5), bytes([0, 1, 0, 0, 0, 0, 0, 0, 0, 1])
+    balls = wanting(0, [0, 2], [0.0, 0.5], seen, GROUPS | MASKS, groups=groups, masks=masks)
+    come = "two kinds come, and two of the first and one of the second want an action"
+    kinds = trees.write({"kinds": [BALL, GOAL]})
+    yield come, clocked(ANSWERS, 1, [balls, wanting(1, [1], [0.0], floats(9))], said=kinds)
     actions = floats(0.5, -2) + whole(2, 1) + floats(0, 1) + whole(0, 0)
-    yield (
-        "go on: actions of the first kind, zeros for the second",
-        clocked(ASKS, 3, [Section(0, seeds([0, 0]), bytes([STEP] * 2), values=actions)]),
-    )
+    steps = Section(0, seeds([0, 0]), bytes([STEP] * 2), values=actions)
+    yield "go on: actions of the first kind, zeros for the second", clocked(ASKS, 3, [steps])
     yield "go on without any action", clocked(ASKS, 4)
-    yield (
-        "an agent has ended and wants an action as well, another was interrupted",
-        clocked(
-            ANSWERS,
-            3,
-            [
-                ended(
-                    0,
-                    TERMINATED,
-                    [2],
-                    [1.0],
-                    floats(1, 1, 1) + bytes([9] * 4),
-                    GROUPS,
-                    groups=whole(3) + floats(2),
-                ),
-                ended(1, TRUNCATED, [1], [-0.25], floats(4)),
-                wanting(0, [2], [0.0], floats(0, 0, 0) + bytes(4), GROUPS, groups=whole(3) + floats(0)),
-            ],
-            exchange=b"said",
-        ),
-    )
+    over = ended(0, TERMINATED, [2], [1.0], floats(1, 1, 1) + bytes([9] * 4), GROUPS, groups=whole(3) + floats(2))
+    cut = ended(1, TRUNCATED, [1], [-0.25], floats(4))
+    again = wanting(0, [2], [0.0], floats(0, 0, 0) + bytes(4), GROUPS, groups=whole(3) + floats(0))
+    both = "an agent has ended and wants an action as well, another was interrupted"
+    yield both, clocked(ANSWERS, 3, [over, cut, again], exchange=b"said")
     yield "nobody wants anything", clocked(ANSWERS, 4)
 
 

@@ -198,9 +198,8 @@ def a_message(at_random):
         return struct.pack("<f", at_random.choice([0.0, 1.0, 0.5, -2.5, 20.0, 1e30, float("inf"), float("nan"), 9.81]))
 
     def text():
-        data = at_random.choice(
-            [b"", b"mass", b"wind", "naïve".encode(), b"\xff\xfe", b"\xed\xa0\x80", b"\xc0\x80", b"\0"]
-        )
+        words = [b"", b"mass", b"wind", "naïve".encode(), b"\xff\xfe", b"\xed\xa0\x80", b"\xc0\x80", b"\0"]
+        data = at_random.choice(words)
         return struct.pack("<i", at_random.choice([len(data)] * 6 + [len(data) + 3, -1, 2**31 - 1])) + data
 
     def numbers():
@@ -215,16 +214,12 @@ def a_message(at_random):
 
 
 def an_exchange(at_random):
-    data = b"".join(
-        frame(at_random.choice(IDS), a_message(at_random)) for _ in range(at_random.choice([0, 1, 1, 1, 2, 3]))
-    )
+    count = at_random.choice([0, 1, 1, 1, 2, 3])
+    data = b"".join(frame(at_random.choice(IDS), a_message(at_random)) for _ in range(count))
     for _ in range(at_random.choice([0, 0, 1, 3])):
         at = at_random.randrange(len(data) + 1)
-        data = (
-            data[:at]
-            + at_random.randbytes(at_random.choice([0, 1, 1, 4]))
-            + data[at + at_random.choice([0, 1, 1, 7]) :]
-        )
+        added, gone = at_random.randbytes(at_random.choice([0, 1, 1, 4])), at_random.choice([0, 1, 1, 7])
+        data = data[:at] + added + data[at + gone :]
     return data
 
 

@@ -154,31 +154,20 @@ def asmdef(name):
     return json.dumps({"name": name})
 
 
-UNITY_2021 = {"ProjectSettings/ProjectVersion.txt": "m_EditorVersion: 2021.3.45f1\n"}
+VERSION, MANIFEST = "ProjectSettings/ProjectVersion.txt", "Packages/manifest.json"
+NO_LIST = '{"dependencies": []}'
+UNITY_2021 = {VERSION: "m_EditorVersion: 2021.3.45f1\n"}
 
 
 @pytest.mark.parametrize(
     ("there", "lesson", "why"),
     [
-        (
-            {"Packages/manifest.json": '{"dependencies": []}'},
-            "4",
-            r"manifest\.json is no valid manifest: .*; correct it",
-        ),
-        ({"Packages/manifest.json": "{"}, "4", r"manifest\.json is no valid manifest: .*; correct it"),
-        (
-            {"Assets/A/A.asmdef": "\ufeff" + asmdef("NetMQExample")},
-            "1",
-            "^Assets/A/A.asmdef is an assembly with",
-        ),
+        *(({MANIFEST: text}, "4", "manifest.json is no valid manifest: .*; correct it") for text in (NO_LIST, "{")),
+        ({"Assets/A/A.asmdef": "\ufeff" + asmdef("NetMQExample")}, "1", "^Assets/A/A.asmdef is an assembly with"),
         # An old example has this folder: its scripts would become a part of the kit's assembly.
+        ({f"{TARGET}/Scripts/Mine.cs": "// old"}, "1", r"Scripts/Mine\.cs is in the folder .* rename Assets"),
         (
-            {f"{TARGET}/Scripts/Mine.cs": "// old"},
-            "1",
-            r"Scripts/Mine\.cs is in the folder .* rename Assets",
-        ),
-        (
-            {"ProjectSettings/ProjectVersion.txt": "m_EditorVersion: 2021.1.0f1\n"},
+            {VERSION: "m_EditorVersion: 2021.1.0f1\n"},
             None,
             "NetMQ needs 2021.2 or later.* nothing was copied; open a copy .* in Unity Hub$",
         ),
@@ -377,6 +366,7 @@ def test_the_kit_adds_what_another_copy_does_not_serve(theirs, ours, project, nu
     assert f"Exclude Editor: {1 - ours[1]}" in meta.read_text()
 
 
+LOCK = "Packages/packages-lock.json"
 OLD_LIST = '<packages><package version="4.0.0.1" id="NetMQ" /></packages>'
 OLD_DLL = "Assets/Packages/NetMQ.4.0.0.1/lib/netstandard2.1/NetMQ.dll"
 
@@ -399,11 +389,8 @@ OLD_DLL = "Assets/Packages/NetMQ.4.0.0.1/lib/netstandard2.1/NetMQ.dll"
         ({"Assets/packages.config": OLD_LIST.replace("0.0.1", "0.1.13"), OLD_DLL: a_dll("4.0.0.1")}, ""),
         ({"Library/PackageCache/org.nuget.netmq@4.0.2-1234/package.json": "{}"}, ""),
         ({"Packages/nuget-packages/packages.config": OLD_LIST}, "window or in Packages/nuget-packages/packages.config"),
-        (
-            {"Packages/packages-lock.json": '{"dependencies": {"org.nuget.netmq": {"version": "4.0.0-1"}}}'},
-            "manifest.json",
-        ),
-        ({"Packages/packages-lock.json": '{"dependencies": {"org.nuget.netmq": {"version": "4.0.4-5"}}}'}, ""),
+        ({LOCK: '{"dependencies": {"org.nuget.netmq": {"version": "4.0.0-1"}}}'}, "manifest.json"),
+        ({LOCK: '{"dependencies": {"org.nuget.netmq": {"version": "4.0.4-5"}}}'}, ""),
         ({"Packages/a/package.json": '{"name": "com.a"}', "Packages/a/NetMQ.dll": a_dll("4.0.0.1")}, "; update com.a"),
     ],
 )
@@ -421,7 +408,7 @@ def test_a_netmq_that_is_too_old_is_named_with_the_cure_of_its_way(theirs, why, 
 @pytest.mark.parametrize("where", ["../shared/com.a", "Packages/com.a", "Library/PackageCache/com.a@1.0", "Assets/a"])
 def test_a_dll_is_found_wherever_unity_finds_it(where, project, nuget):
     manifest = {"dependencies": {"com.a": "file:../../shared/com.a"} if where.startswith("..") else {}}
-    put(project, {"Packages/manifest.json": json.dumps(manifest), f"{where}/package.json": '{"name": "com.a"}'})
+    put(project, {MANIFEST: json.dumps(manifest), f"{where}/package.json": '{"name": "com.a"}'})
     for name in ("NetMQ.dll", "Newtonsoft.Json.dll"):
         put(project, {f"{where}/Lib/{name}": a_dll("4.0.1.13"), f"{where}/Lib/{name}.meta": DEFAULT_6})
     unity_install.install(project, "4")
@@ -502,7 +489,7 @@ def test_two_copies_of_the_scripts_do_not_compile(embedded, project, nuget):
     if embedded:
         shutil.copytree(PACKAGE, project / "Packages" / "lessons", ignore=shutil.ignore_patterns("Plugins*"))
     else:
-        put(project, {"Packages/manifest.json": json.dumps({"dependencies": {name: "https://example.org/x.git"}})})
+        put(project, {MANIFEST: json.dumps({"dependencies": {name: "https://example.org/x.git"}})})
     unity_install.install(project)
     assert not list((project / TARGET).rglob("*.cs"))
     # Unity reads no link.xml in a package, and the GUID of its .meta is taken.
