@@ -361,7 +361,7 @@ namespace MlTest
             return thing;
         }
 
-        private static GameObject Thing(PrimitiveType type, string tag, Vector3 place)
+        internal static GameObject Thing(PrimitiveType type, string tag, Vector3 place)
         {
             var thing = GameObject.CreatePrimitive(type);
             thing.name = thing.tag = tag;

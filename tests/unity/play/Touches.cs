@@ -58,7 +58,7 @@ namespace NetMQExample.PlayTest
 
         private static GameObject Thing(PrimitiveType type, string name, float height, Vector3 size)
         {
-            var thing = Rays.Thing(type, name, new Vector3(0, height, 0));
+            var thing = MlTest.MlSensors.Thing(type, name, new Vector3(0, height, 0));
             thing.transform.localScale = size;
             return thing;
         }
