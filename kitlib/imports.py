@@ -123,14 +123,16 @@ def inits(module: Path) -> list[Path]:
 
 
 def data(files: Iterable[Path]) -> list[Path]:
-    """The files, such as a page, that these read from their own folder: each is named by one of their texts."""
+    """The web pages that these read from their own folder: each is named by one of their texts. A journal that one of
+    their texts names was left there by a server.
+    """
     found = [
         path.with_name(text)
         for path in files
         for text in read(path).texts
-        if re.fullmatch(r"[\w-]{1,100}\.\w{1,10}", text)
+        if re.fullmatch(r"[\w-]{1,100}\.html", text)
     ]
-    return sorted({path for path in found if path.is_file() and path.suffix != ".py"})
+    return sorted({path for path in found if path.is_file()})
 
 
 def packages(files: Iterable[Path]) -> set[str]:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from kitlib import commands
+from kitlib import commands, imports
 from kitlib.commands import copy
 from kitlib.lessons import KitError, UsageError, lessons
 from kitlib.setup import python_setup
@@ -44,6 +44,13 @@ def test_a_copied_lesson_runs_elsewhere(tmp_path):
     # What a function imports, and a page that a program sends.
     assert (folders["05_messages"] / "netmq_example" / "former.py").exists()
     assert (folders["16_web_gateway"] / "netmq_example" / "tap" / "tap.html").exists()
+
+
+def test_a_journal_that_a_server_has_left_is_not_copied(tmp_path):
+    (tmp_path / "server.py").write_text('NAMES = "journal.sqlite3", "page.html"\n', encoding="utf-8")
+    for name in "journal.sqlite3", "page.html":
+        (tmp_path / name).touch()
+    assert imports.data([tmp_path / "server.py"]) == [tmp_path / "page.html"]
 
 
 OF_A_READER = """
