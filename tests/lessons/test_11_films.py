@@ -153,7 +153,7 @@ def test_a_picture_is_of_now_as_gymnasiums_wrappers_want_it(make):
 def test_what_the_scene_draws_itself_is_its_picture_and_needs_no_view(kind, counter, make, monkeypatch):
     """Not even Pillow, nor the port for views: libraries always ask for rgb_array."""
     env = make(kind, shows=False, render_mode="rgb_array", view_endpoint="nonsense")
-    monkeypatch.setitem(sys.modules, "netmq_example.envs.views", None)
+    monkeypatch.setitem(sys.modules, "netmq_example.video.films", None)
     counter.render = lambda: np.full((2, 4, 3), counter.steps, np.uint8)
     env.reset()
     env.step({UnityParallelEnv: {"agent": 1}, UnityVectorEnv: [1]}.get(kind, 1))
@@ -314,6 +314,6 @@ def test_without_a_render_mode_nothing_is_filmed(kind, make):
 
 
 def test_without_pillow_a_render_mode_says_so(make, monkeypatch):
-    monkeypatch.setitem(sys.modules, "netmq_example.envs.views", None)
+    monkeypatch.setitem(sys.modules, "netmq_example.video.films", None)
     with pytest.raises(ModuleNotFoundError, match=r"^render_mode needs Pillow: pip install pillow"):
         make(render_mode="video")

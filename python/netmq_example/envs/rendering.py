@@ -98,11 +98,8 @@ class Rendered:
     def open_views(self, remote: Remote) -> None:
         views, endpoint = self.views
         launch = remote.simulators.launch
-        try:
-            # By name: a copy of a lesson that takes no views goes without, and without Pillow.
-            module = importlib.import_module("netmq_example.envs.views")
-        except ModuleNotFoundError as error:
-            raise ModuleNotFoundError(f"render_mode needs Pillow: pip install pillow ({error})") from None
+        # By name: a copy of a lesson that takes no views goes without.
+        module = importlib.import_module("netmq_example.envs.views")
         self.renderer = module.Renderer(self.render_mode, views, endpoint or (FREE_PORT if launch else module.ENDPOINT))
         if launch:
             remote.simulators.views = self.renderer.films.game.endpoint

@@ -3,6 +3,7 @@
 It needs numpy and Pillow, and av for an MP4.
 """
 
+import importlib
 import importlib.util
 import math
 import os
@@ -15,8 +16,6 @@ import numpy as np
 from gymnasium import logger
 
 from netmq_example.errors import Lost, Timeout
-from netmq_example.video.film_writer import film_path, open_film, usual_ending
-from netmq_example.video.films import Films
 from netmq_example.video.game import ENDPOINT, side
 
 __all__ = ["ENDPOINT", "Renderer"]
@@ -28,7 +27,11 @@ class Renderer:
     """The views of one environment. `views` are the names that its user gave."""
 
     def __init__(self, mode: str, views: Sequence[str], endpoint: str) -> None:
-        self.films = Films(endpoint)
+        try:
+            # Lesson 12's, whose Pillow nobody needs who has no render_mode.
+            self.films: Any = importlib.import_module("netmq_example.video.films").Films(endpoint)
+        except ModuleNotFoundError as error:
+            raise ModuleNotFoundError(f"render_mode needs Pillow: pip install pillow ({error})") from None
         self.films.start()
         self.mode = mode
         self.views = list(dict.fromkeys(views))
@@ -84,7 +87,7 @@ class Renderer:
         if self.mode == "rgb_array_list":
             return {name: self.takes[name].taken() for name in names}
         given = {name: paths[name] for name in names if paths.get(name) is not None}
-        files = {name: film_path("video_paths", path) for name, path in given.items()}
+        files = {name: film_writer().film_path("video_paths", path) for name, path in given.items()}
         for name in names:
             if not self.takes[name].shapes:
                 raise ValueError(
@@ -121,7 +124,8 @@ class Renderer:
         if not self.films.game.views and self.newest:
             raise Lost("the game is gone")
         try:
-            return self.films.game.views or self.films.wait(WAIT_SECONDS)
+            views: dict[str, tuple[int, int]] = self.films.game.views or self.films.wait(WAIT_SECONDS)
+            return views
         except TimeoutError:
             at = self.films.game.endpoint
             cure = (
@@ -178,7 +182,7 @@ class Take:
         """The whole path of the file, or without a path its bytes. OSError: av is missing."""
         if not path:
             with tempfile.TemporaryDirectory() as folder:
-                made = Path(folder) / f"film{usual_ending()}"
+                made = Path(folder) / f"film{film_writer().usual_ending()}"
                 self.write(made, fps)
                 return made.read_bytes()
         # Beside what it replaces, and so on the same disk: a film that fails leaves what was there under its name.
@@ -192,7 +196,7 @@ class Take:
         return os.path.abspath(path)
 
     def write(self, path: Path, fps: float) -> None:
-        film = open_film(path, fps)
+        film = film_writer().open_film(path, fps)
         try:
             for number, pixels in enumerate(self.pictures()):
                 film.add(pixels, number / fps)
@@ -202,3 +206,8 @@ class Take:
     def clear(self) -> None:
         self.file.truncate(0)
         self.shapes = []
+
+
+def film_writer() -> Any:
+    """Lesson 12's, whose Pillow nobody needs who makes no film."""
+    return importlib.import_module("netmq_example.video.film_writer")
