@@ -60,24 +60,22 @@ def test_an_extra_is_what_the_modules_of_its_name_import():
 
 
 @pytest.mark.parametrize(
-    ("module", "absent", "cure"),
+    ("door", "name", "absent", "cure"),
     [
-        ("envs", "gymnasium", "gymnasium"),
-        ("sb3", "stable_baselines3", "stable_baselines3"),
-        ("camera.recording", "numpy", "numpy"),
-        ("video.films", "numpy", "numpy"),
-        ("video.film_writer", "PIL", "pillow"),
-        ("web.door", "aiohttp", "aiohttp"),
-        ("web.socketio_requester", "socketio", "python-socketio"),
+        ("envs", "UnityGymEnv", "gymnasium", "gymnasium"),
+        ("sb3", "UnityVecEnv", "stable_baselines3", "stable_baselines3"),
+        ("camera", "Recorder", "numpy", "numpy"),
+        ("video", "Films", "numpy", "numpy"),
+        ("video", "open_film", "PIL", "pillow"),
+        ("web", "Door", "aiohttp", "aiohttp"),
+        ("web", "SocketIORequester", "socketio", "python-socketio"),
     ],
 )
-def test_what_an_extra_brings_is_named_where_it_is_missing(module, absent, cure):
-    needs = {"envs": ["numpy", "gymnasium"], "web": ["aiohttp"]}.get(module.split(".")[0], ["numpy", "gymnasium"])
+def test_what_an_extra_brings_is_named_where_it_is_missing(door, name, absent, cure):
+    needs = ["aiohttp"] if door == "web" else ["numpy", "gymnasium"]
     if lacking := python_setup.not_found(PYTHON, [need for need in needs if need != absent]):
         pytest.skip(f"without them it stops before: pip install {' '.join(lacking)}")
-    # The parts of envs that ML-Agents' classes need take no gymnasium: the others are loaded when they are first used.
-    name = "from netmq_example.envs import UnityGymEnv" if module == "envs" else f"import netmq_example.{module}"
-    code = f"import sys; sys.modules[{absent!r}] = None; {name}"
+    code = f"import sys; sys.modules[{absent!r}] = None; from netmq_example.{door} import {name}"
     said = finished([PYTHON, "-c", code], cwd=ROOT / "python").stderr.splitlines()[-1]
     assert said.startswith("ModuleNotFoundError: ") and said.endswith(f"-m pip install {cure}"), said
 
