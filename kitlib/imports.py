@@ -127,10 +127,7 @@ def data(files: Iterable[Path]) -> list[Path]:
     their texts names was left there by a server.
     """
     found = [
-        path.with_name(text)
-        for path in files
-        for text in read(path).texts
-        if re.fullmatch(r"[\w-]{1,100}\.html", text)
+        path.with_name(text) for path in files for text in read(path).texts if re.fullmatch(r"[\w-]{1,100}\.html", text)
     ]
     return sorted({path for path in found if path.is_file()})
 
