@@ -41,7 +41,7 @@ def test_a_copied_lesson_runs_elsewhere(tmp_path):
         programs = {Path(name).name: said for name, said in found.items() if Path(name).is_relative_to(folder)}
         assert {"server.py", "client.py"} <= programs.keys()
         assert [said for said in programs.values() if said != "fine" and "needs" not in said] == [], key
-    # What a function imports, and a page that a program sends.
+    # A copy has the imports of a function, and a page that a program sends.
     assert (folders["05_messages"] / "netmq_example" / "former.py").exists()
     assert (folders["16_web_gateway"] / "netmq_example" / "tap" / "tap.html").exists()
 

@@ -73,7 +73,7 @@ def ids(env, name=BALL):
     return list(now), list(over)
 
 
-# The scene's clock. Who asks and ends, masks and groups are in tests/unity/test_ml_agents_*.py, with C#'s scene.
+# The scene's clock. Requests and ends, masks and groups are in tests/unity/test_ml_agents_*.py, with C#'s scene.
 
 
 def test_behaviors_are_what_the_scene_says(arena):

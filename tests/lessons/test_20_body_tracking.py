@@ -58,7 +58,7 @@ def test_a_person_is_seen_to_move(serve, start_client, connect):
         found = [re.fullmatch(form, line) for line in seen]
         assert len(found) == 7 and all(found), client.output
         assert [match[2] for match in found] == [knee(int(match[1]), person) for match in found]
-        # Whoever walks has a straight leg for half a second, which is 15 poses.
+        # A walker has a straight leg for half a second, which is 15 poses.
         assert len({match[2] for match in found}) > 1
     # Seconds are the computer's: else each pose of a server that was started again would seem to be late.
     seconds = body_listener.parse(connect(endpoint, zmq.SUB, "pose/0/").recv().decode()).seconds

@@ -169,7 +169,7 @@ def test_a_picture_and_its_action_leave_nothing_to_collect(play, runtime, capsys
     cost, steer = program.wait_for(r"^cost: (.*); steer (\S+)$").groups()
     with capsys.disabled():
         print(f"\n{runtime}: {cost}")
-    # What a picture leaves would be in each of the 100 frames. A few have an object of 24 bytes, by which NetMQ tells
+    # Garbage of a picture would be in each of the 100 frames. A few have an object of 24 bytes, by which NetMQ tells
     # its other thread how many were read, or a small buffer, where a busy machine has not given back the last one.
     count, dirty = map(int, re.search(r"(\d+) bytes allocated in (\d+) frames", cost).groups())
     assert dirty <= 30 and count < 100 * 24, cost

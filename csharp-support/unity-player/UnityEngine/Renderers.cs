@@ -72,7 +72,7 @@ namespace UnityEngine
             new AudioClip { name = name, samples = lengthSamples };
     }
 
-    // What it plays never ends by itself.
+    // A clip never ends by itself here.
     public sealed class AudioSource : Behaviour
     {
         public AudioClip clip { get; set; }
